@@ -1,0 +1,20 @@
+//! Vectors and matrices of a ray tracer: the part of the course's `vecmath` library that a scene can reach.
+//!
+//! Column vectors, right-handed, matrices multiply from the left (`matrix * vector`). All numbers are [`Real`].
+//! Left out, because no scene needs them: quaternions, projections, 2 x 2 matrices.
+#![forbid(unsafe_code)]
+
+mod matrix3;
+mod matrix4;
+mod vector;
+
+pub use matrix3::Matrix3;
+pub use matrix4::{Matrix4, SingularMatrix};
+pub use vector::{Vector2, Vector3, Vector4};
+
+/// The scalar of the whole program: `f64`, or `f32` with the cargo feature of that name (for comparison only).
+#[cfg(not(feature = "f32"))]
+pub type Real = f64;
+/// The scalar of the whole program: `f64`, or `f32` with the cargo feature of that name (for comparison only).
+#[cfg(feature = "f32")]
+pub type Real = f32;

@@ -1,0 +1,253 @@
+//! [`Vector2`], [`Vector3`] and [`Vector4`]: plain component triples and their arithmetic.
+
+use crate::Real;
+use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
+
+/// Writes the arithmetic that is the same, component by component, for every length.
+macro_rules! componentwise {
+    ($Vector:ident, $n:literal, $($c:ident = $i:literal),+) => {
+        impl $Vector {
+            /// All components zero.
+            pub const ZERO: Self = Self { $($c: 0.0),+ };
+
+            /// A vector of these components.
+            pub const fn new($($c: Real),+) -> Self {
+                Self { $($c),+ }
+            }
+
+            /// Every component equal to `value`.
+            pub const fn splat(value: Real) -> Self {
+                Self { $($c: value),+ }
+            }
+
+            /// The components in order.
+            pub const fn to_array(self) -> [Real; $n] {
+                [$(self.$c),+]
+            }
+
+            /// The scalar product.
+            pub fn dot(self, other: Self) -> Real {
+                0.0 $(+ self.$c * other.$c)+
+            }
+
+            /// The squared Euclidean length.
+            pub fn length_squared(self) -> Real {
+                self.dot(self)
+            }
+
+            /// The Euclidean length.
+            pub fn length(self) -> Real {
+                self.length_squared().sqrt()
+            }
+
+            /// The largest absolute component; NaN components are passed over.
+            pub fn max_abs(self) -> Real {
+                (0.0 as Real)$(.max(self.$c.abs()))+
+            }
+
+            /// Whether no component is infinite or NaN.
+            pub fn is_finite(self) -> bool {
+                true $(&& self.$c.is_finite())+
+            }
+
+            /// The component-wise product (of two colours, say).
+            pub fn scaled_by(self, other: Self) -> Self {
+                Self { $($c: self.$c * other.$c),+ }
+            }
+
+            /// The component-wise minimum.
+            pub fn min(self, other: Self) -> Self {
+                Self { $($c: self.$c.min(other.$c)),+ }
+            }
+
+            /// The component-wise maximum.
+            pub fn max(self, other: Self) -> Self {
+                Self { $($c: self.$c.max(other.$c)),+ }
+            }
+
+            /// `f` of every component.
+            pub fn map(self, f: impl Fn(Real) -> Real) -> Self {
+                Self { $($c: f(self.$c)),+ }
+            }
+        }
+
+        impl From<[Real; $n]> for $Vector {
+            fn from(array: [Real; $n]) -> Self {
+                Self { $($c: array[$i]),+ }
+            }
+        }
+
+        impl Index<usize> for $Vector {
+            type Output = Real;
+
+            fn index(&self, axis: usize) -> &Real {
+                match axis {
+                    $($i => &self.$c,)+
+                    _ => panic!("axis {axis} of a vector of {}", $n),
+                }
+            }
+        }
+
+        impl Add for $Vector {
+            type Output = Self;
+            fn add(self, other: Self) -> Self {
+                Self { $($c: self.$c + other.$c),+ }
+            }
+        }
+
+        impl AddAssign for $Vector {
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+
+        impl Sub for $Vector {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                Self { $($c: self.$c - other.$c),+ }
+            }
+        }
+
+        impl Neg for $Vector {
+            type Output = Self;
+            fn neg(self) -> Self {
+                Self { $($c: -self.$c),+ }
+            }
+        }
+
+        impl Mul<Real> for $Vector {
+            type Output = Self;
+            fn mul(self, factor: Real) -> Self {
+                Self { $($c: self.$c * factor),+ }
+            }
+        }
+
+        impl Mul<$Vector> for Real {
+            type Output = $Vector;
+            fn mul(self, vector: $Vector) -> $Vector {
+                vector * self
+            }
+        }
+
+        impl MulAssign<Real> for $Vector {
+            fn mul_assign(&mut self, factor: Real) {
+                *self = *self * factor;
+            }
+        }
+
+        impl Div<Real> for $Vector {
+            type Output = Self;
+            fn div(self, divisor: Real) -> Self {
+                Self { $($c: self.$c / divisor),+ }
+            }
+        }
+    };
+}
+
+/// Two numbers: a point of the picture plane, an offset within a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vector2 {
+    pub x: Real,
+    pub y: Real,
+}
+
+/// Three numbers: a point, a direction, a normal, or a colour (red, green, blue).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vector3 {
+    pub x: Real,
+    pub y: Real,
+    pub z: Real,
+}
+
+/// Four numbers: a column of a [`Matrix4`](crate::Matrix4).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vector4 {
+    pub x: Real,
+    pub y: Real,
+    pub z: Real,
+    pub w: Real,
+}
+
+componentwise!(Vector2, 2, x = 0, y = 1);
+componentwise!(Vector3, 3, x = 0, y = 1, z = 2);
+componentwise!(Vector4, 4, x = 0, y = 1, z = 2, w = 3);
+
+impl Vector3 {
+    /// The vector product, by the right-hand rule.
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+
+    /// The unit vector of the same direction, or `None` where there is none: zero, infinite or NaN.
+    ///
+    /// Scaled by the largest component first, so that squares neither overflow nor vanish.
+    pub fn try_normalized(self) -> Option<Self> {
+        let largest = self.max_abs();
+        if !(largest > 0.0 && self.is_finite()) {
+            return None;
+        }
+        let scaled = self / largest;
+        Some(scaled / scaled.length())
+    }
+
+    /// The unit vector of the same direction; zero stays zero.
+    pub fn normalized(self) -> Self {
+        let length_squared = self.length_squared();
+        // The usual case needs no scaling: neither the squares nor their sum leave the normal range.
+        if length_squared > Real::MIN_POSITIVE * 1e8 && length_squared < Real::MAX {
+            return self / length_squared.sqrt();
+        }
+        self.try_normalized().unwrap_or(Self::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const X: Vector3 = Vector3::new(1.0, 0.0, 0.0);
+    const Y: Vector3 = Vector3::new(0.0, 1.0, 0.0);
+
+    #[test]
+    fn cross_is_right_handed() {
+        assert_eq!(X.cross(Y), Vector3::new(0.0, 0.0, 1.0));
+        assert_eq!(Y.cross(X), Vector3::new(0.0, 0.0, -1.0));
+    }
+
+    #[test]
+    fn arithmetic_is_componentwise() {
+        let a = Vector3::new(1.0, 2.0, 3.0);
+        let b = Vector3::new(4.0, -5.0, 6.0);
+        assert_eq!(a + b, Vector3::new(5.0, -3.0, 9.0));
+        assert_eq!(a - b, Vector3::new(-3.0, 7.0, -3.0));
+        assert_eq!(a.scaled_by(b), Vector3::new(4.0, -10.0, 18.0));
+        assert_eq!(2.0 * a, a + a);
+        assert_eq!(a.dot(b), 12.0);
+        assert_eq!(b.max_abs(), 6.0);
+        assert_eq!((a[0], a[1], a[2]), (1.0, 2.0, 3.0));
+        assert_eq!(Vector2::new(3.0, 4.0).length(), 5.0);
+        assert_eq!(Vector4::splat(1.0).length(), 2.0);
+    }
+
+    #[test]
+    fn normalizing_survives_every_magnitude() {
+        let tiny = Real::MIN_POSITIVE;
+        let huge = Real::MAX / 2.0;
+        for scale in [tiny, 1e-30, 1.0, 1e30, huge] {
+            let unit = Vector3::new(scale, -scale, scale).normalized();
+            assert!((unit.length() - 1.0).abs() < 4.0 * Real::EPSILON, "{scale}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_direction_is_not_normalized() {
+        assert_eq!(Vector3::ZERO.normalized(), Vector3::ZERO);
+        assert_eq!(Vector3::ZERO.try_normalized(), None);
+        assert_eq!(Vector3::new(Real::NAN, 1.0, 0.0).try_normalized(), None);
+        assert_eq!(Vector3::new(Real::INFINITY, 1.0, 0.0).try_normalized(), None);
+    }
+}
