@@ -1,0 +1,185 @@
+//! [`Error`]: everything that can go wrong, as one message for a person, and the exit code that goes with it.
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use std::fmt;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A text file in memory, as errors quote it.
+#[derive(Debug)]
+pub struct SourceText {
+    pub path: PathBuf,
+    pub text: String,
+}
+
+/// A place in a [`SourceText`], in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    pub start: usize,
+    pub end: usize,
+}
+
+impl SourceText {
+    /// Line and column of a byte offset, both counted from 1, the column in characters.
+    pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
+        let before = &self.text[..self.text.floor_char_boundary(offset)];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+        (line, before[line_start..].chars().count() + 1)
+    }
+
+    /// An error about `span` of this text.
+    pub fn error(self: &Arc<Self>, span: Span, message: impl Into<String>) -> Error {
+        Error::Source(SourceError { source_text: Arc::clone(self), span, message: message.into(), note: None })
+    }
+}
+
+/// A mistake in a text file; displays as `file:line:column: message` with the line below it.
+#[derive(Debug)]
+pub struct SourceError {
+    source_text: Arc<SourceText>,
+    span: Span,
+    message: String,
+    note: Option<String>,
+}
+
+/// Longest part of a line that an error shows on either side of the mistake, in bytes.
+const QUOTED_MARGIN: usize = 100;
+
+impl SourceError {
+    /// `file:line:column` of the mistake.
+    pub fn location(&self) -> String {
+        let (line, column) = self.source_text.line_and_column(self.span.start);
+        format!("{}:{line}:{column}", self.source_text.path.display())
+    }
+
+    /// The part of the line to show, and the mistake's place in it. Long lines are cut, so that a file of one
+    /// gigantic line still gives a short message.
+    fn quoted(&self) -> (&str, Range<usize>) {
+        let text = &self.source_text.text;
+        let start = text.floor_char_boundary(self.span.start);
+        let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |length| start + length);
+        let from = text.ceil_char_boundary(line_start.max(start.saturating_sub(QUOTED_MARGIN)));
+        let to = text.floor_char_boundary(line_end.min(start + QUOTED_MARGIN)).max(start);
+        let end = text.ceil_char_boundary(self.span.end).clamp(start, to);
+        (text[from..to].trim_end_matches('\r'), start - from..end - from)
+    }
+}
+
+impl fmt::Display for SourceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let title = format!("{}: {}", self.location(), self.message);
+        let (line, mark) = self.quoted();
+        let mark = mark.start.min(line.len())..mark.end.min(line.len());
+        let (line_number, _) = self.source_text.line_and_column(self.span.start);
+        let snippet = Snippet::source(line).line_start(line_number).annotation(AnnotationKind::Primary.span(mark));
+        let mut report = Level::ERROR.primary_title(&title).element(snippet);
+        if let Some(note) = &self.note {
+            report = report.element(Level::HELP.message(note));
+        }
+        let rendered = Renderer::plain().render(&[report]);
+        // The renderer begins with "error: ", which belongs to whoever prints the error.
+        f.write_str(rendered.strip_prefix("error: ").unwrap_or(&rendered))
+    }
+}
+
+/// Everything that can go wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A command line that makes no sense.
+    #[error("{0}\nhint: 'a2 -help' lists the flags")]
+    Usage(String),
+    /// A mistake in a scene or mesh file, at a known place.
+    #[error("{0}")]
+    Source(SourceError),
+    /// A file that could not be read or written, or that does not hold what it should.
+    #[error("{}: {message}", path.display())]
+    File { path: PathBuf, message: String },
+    /// Anything else that is refused.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl Error {
+    /// An error about a whole file.
+    pub fn file(path: &Path, message: impl Into<String>) -> Self {
+        Self::File { path: path.to_owned(), message: message.into() }
+    }
+
+    /// The operating system's refusal to do `action` with a file.
+    pub fn io(path: &Path, action: &str, error: &io::Error) -> Self {
+        Self::file(path, format!("cannot {action}: {error}"))
+    }
+
+    /// Adds a hint below a source error; other errors stay as they are.
+    #[must_use]
+    pub fn with_note(mut self, text: impl Into<String>) -> Self {
+        if let Self::Source(error) = &mut self {
+            error.note = Some(text.into());
+        }
+        self
+    }
+
+    /// The process exit code: 2 for a command line that makes no sense, otherwise 1.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// `word` among `known` as it was probably meant, if it is near enough to be a slip of the finger.
+pub fn probably_meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|candidate| {
+            let distance = strsim::damerau_levenshtein(&word.to_lowercase(), &candidate.to_lowercase());
+            (distance, candidate)
+        })
+        .filter(|&(distance, candidate)| distance <= candidate.len() / 3)
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(text: &str) -> Arc<SourceText> {
+        Arc::new(SourceText { path: PathBuf::from("s.txt"), text: text.to_owned() })
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        let text = source("a\nüü x\n");
+        assert_eq!(text.line_and_column(text.text.find('x').unwrap()), (2, 4));
+        assert_eq!(text.line_and_column(text.text.len()), (3, 1));
+    }
+
+    #[test]
+    fn an_error_shows_and_marks_its_line() {
+        let error = source("one\n  two three\n").error(Span { start: 6, end: 9 }, "wrong");
+        let shown = error.to_string();
+        assert!(shown.starts_with("s.txt:2:3: wrong\n"), "{shown}");
+        assert!(shown.contains("2 |   two three"), "{shown}");
+        assert!(shown.contains("^^^"), "{shown}");
+    }
+
+    #[test]
+    fn a_gigantic_line_is_cut() {
+        let text = source(&format!("{}!{}", "ä".repeat(5000), "b".repeat(5000)));
+        let at = text.text.find('!').unwrap();
+        let shown = text.error(Span { start: at, end: at + 3000 }, "here").to_string();
+        assert!(shown.len() < 1000, "{}", shown.len());
+    }
+
+    #[test]
+    fn only_near_words_are_suggested() {
+        assert_eq!(probably_meant("raduis", ["radius", "center"]), Some("radius"));
+        assert_eq!(probably_meant("banana", ["radius", "center"]), None);
+    }
+}

@@ -1,0 +1,186 @@
+//! [`Plan`]: what a picture needs of a scene, decided before anything is loaded or traced.
+//!
+//! A scene pays only for what it needs. What is left out here can change no byte of any picture that was asked for.
+
+use crate::args::RenderArgs;
+use crate::material::Material;
+use crate::scene::description::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use vecmath::{Real, Vector3};
+
+/// What is to be done. Everything not named here is left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub color: bool,
+    pub depth: bool,
+    pub normals: bool,
+    /// Indices of the lights that can change a colour.
+    pub lights: Vec<usize>,
+    pub shadows: bool,
+    /// Mirror rays after one another; 0 where no material in use is a mirror.
+    pub bounces: u32,
+    /// Whether any ray's colour may come from the cube map.
+    pub cube_map: bool,
+    /// No reflected light is brighter than this in any component, if such a bound is known.
+    pub radiance_bound: Option<Real>,
+    /// Why something was left out, a sentence each.
+    pub left_out: Vec<String>,
+}
+
+impl Plan {
+    pub fn new(args: &RenderArgs, description: &Description) -> Self {
+        let mut left_out = Vec::new();
+        let mut leave_out = |unless: bool, why: &str| {
+            if !unless {
+                left_out.push(why.to_owned());
+            }
+            unless
+        };
+        let color = leave_out(args.color.is_some(), "shading: no colour picture is asked for");
+        let depth = leave_out(args.depth.is_some(), "depths: no depth picture is asked for");
+        let normals = leave_out(args.normals.is_some(), "the normal picture: it is not asked for");
+        let materials = materials_in_use(description);
+        let mut plan = Self {
+            color,
+            depth,
+            normals,
+            lights: Vec::new(),
+            shadows: false,
+            bounces: 0,
+            cube_map: false,
+            radiance_bound: None,
+            left_out,
+        };
+        if color {
+            plan.decide_lights(description, &materials);
+            plan.decide_rays(args, description, &materials);
+        }
+        plan
+    }
+
+    /// A light without colour, or whose colour no material in use answers, adds exactly nothing.
+    fn decide_lights(&mut self, description: &Description, materials: &[&MaterialBlock]) {
+        for (index, light) in description.lights.iter().enumerate() {
+            let (color, infinite) = match light {
+                LightBlock::Directional { color, .. } => (*color, false),
+                // Infinite light times zero is not nothing but NaN, which the starter shows as black.
+                LightBlock::Point { color, falloff, .. } => (*color, *falloff == 0.0),
+            };
+            let answered = materials.iter().any(|material| {
+                color.scaled_by(material.diffuse) != Vector3::ZERO
+                    || color.scaled_by(material.specular) != Vector3::ZERO
+            });
+            if answered || infinite {
+                self.lights.push(index);
+            } else {
+                self.left_out.push(format!("light {}: no material in use answers its colour", index + 1));
+            }
+        }
+    }
+
+    fn decide_rays(&mut self, args: &RenderArgs, description: &Description, materials: &[&MaterialBlock]) {
+        let has_mirror = materials.iter().any(|block| to_material(block).is_mirror());
+        self.shadows = args.shadows && !self.lights.is_empty();
+        self.bounces = if has_mirror { args.bounces } else { 0 };
+        self.cube_map = description.background.cube_map.is_some();
+        let mut note = |condition: bool, why: &str| {
+            if condition {
+                self.left_out.push(why.to_owned());
+            }
+        };
+        note(!args.shadows, "shadow rays: -shadows is not given");
+        note(args.shadows && self.lights.is_empty(), "shadow rays: no light matters");
+        note(args.bounces == 0, "mirror rays: -bounces is 0");
+        note(
+            args.bounces > 0 && !has_mirror,
+            "mirror rays: no material in use is a mirror (specular longer than 0.1)",
+        );
+        self.radiance_bound = radiance_bound(description, &self.lights, materials);
+    }
+
+    /// The plan as a text for a person.
+    pub fn explain(&self, args: &RenderArgs) -> String {
+        let mut text = String::new();
+        let pictures = [(self.color, "colour"), (self.normals, "normals"), (self.depth, "depth")];
+        let pictures: Vec<&str> = pictures.iter().filter(|picture| picture.0).map(|picture| picture.1).collect();
+        let samples = if args.jitter { 16 } else { 1 } * if args.filter { 9 } else { 1 };
+        let _ = writeln!(
+            text,
+            "plan: {} x {} pixels of {}, {samples} sample(s) a pixel",
+            args.width,
+            args.height,
+            pictures.join(", ")
+        );
+        if self.color {
+            let _ = writeln!(
+                text,
+                "plan: {} light(s), shadow rays {}, {} bounce(s), cube map {}",
+                self.lights.len(),
+                if self.shadows { "on" } else { "off" },
+                self.bounces,
+                if self.cube_map { "decoded face by face when a ray reaches it" } else { "none" }
+            );
+        }
+        for reason in &self.left_out {
+            let _ = writeln!(text, "left out: {reason}");
+        }
+        text
+    }
+}
+
+/// The material a block of the scene file stands for.
+pub fn to_material(block: &MaterialBlock) -> Material {
+    Material { diffuse: block.diffuse, specular: block.specular, shininess: block.shininess as Real }
+}
+
+fn materials_in_use(description: &Description) -> Vec<&MaterialBlock> {
+    let mut indices = BTreeSet::new();
+    visit_leaves(&description.root, &mut |leaf| {
+        indices.insert(leaf.material);
+    });
+    indices.into_iter().map(|index| &description.materials[index as usize]).collect()
+}
+
+fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene::description::Leaf)) {
+    match node {
+        Node::Group(members) => members.iter().for_each(|member| visit_leaves(member, visit)),
+        Node::Transform { child, .. } => visit_leaves(child, visit),
+        Node::Leaf(leaf) => visit(leaf),
+    }
+}
+
+/// A bound on the colour that any ray sees before mirrors are followed, per component.
+///
+/// There is none with a point light, which grows without limit towards its position, nor where a plane's normal is
+/// not a unit vector, which lets mirrored directions grow.
+fn radiance_bound(description: &Description, lights: &[usize], materials: &[&MaterialBlock]) -> Option<Real> {
+    let mut unit_normals = true;
+    visit_leaves(&description.root, &mut |leaf| {
+        if let ShapeBlock::Plane { normal, .. } = &leaf.shape {
+            unit_normals &= (normal.value.length() - 1.0).abs() < 4.0 * Real::EPSILON;
+        }
+    });
+    if !unit_normals || materials.iter().any(|material| material.shininess < 0.0) {
+        return None;
+    }
+    let mut light_sum = 0.0;
+    for &index in lights {
+        match &description.lights[index] {
+            LightBlock::Directional { color, .. } => light_sum += color.max_abs(),
+            LightBlock::Point { .. } => return None,
+        }
+    }
+    let ambient = if description.lights.is_empty() { 1.0 } else { description.background.ambient_light.max_abs() };
+    let reflected = materials.iter().fold(0.0, |bound: Real, material| {
+        let (diffuse, specular) = (material.diffuse.max_abs(), material.specular.max_abs());
+        bound.max(light_sum * (diffuse + specular) + ambient * diffuse)
+    });
+    let background = match description.background.cube_map {
+        Some(_) => 1.0,
+        None => description.background.color.max_abs(),
+    };
+    // Twice, because vectors are of unit length only up to rounding, and shininess amplifies that.
+    let bound = 2.0 * reflected.max(background);
+    bound.is_finite().then_some(bound)
+}

@@ -1,0 +1,240 @@
+//! [`Description`] in, [`Scene`] out: loads meshes, multiplies transformations out, flattens groups.
+//!
+//! Every mistake that needs arithmetic or another file to be seen is reported here, at its place in the scene file.
+
+use super::description::{At, Description, Leaf, LightBlock, Node, ShapeBlock, TransformStep};
+use super::{Background, Scene, mesh_file};
+use crate::accel::Accelerator;
+use crate::camera::{Camera, CameraError};
+use crate::cube_map::CubeMap;
+use crate::error::{Error, SourceText, Span};
+use crate::light::Light;
+use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
+use crate::plan::{Plan, to_material};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use vecmath::{Matrix4, Real, Vector3};
+
+/// A scene, and what its author should know about it.
+#[derive(Debug)]
+pub struct Compiled {
+    pub scene: Scene,
+    pub warnings: Vec<String>,
+}
+
+/// Loads and flattens what `plan` needs of a scene.
+///
+/// # Errors
+/// [`Error::Source`] for a mistake in the scene or in a mesh, [`Error::File`] for a picture that cannot be read.
+pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error> {
+    let source = &description.source;
+    let folder = source.path.parent().unwrap_or(Path::new(""));
+    let mut warnings = Vec::new();
+    let camera = camera(description)?;
+    let (lights, ambient_light) = lights(description, plan, &mut warnings)?;
+    let cube_map = match &description.background.cube_map {
+        Some(path) if plan.cube_map => Some(CubeMap::open(&folder.join(&path.value))?),
+        _ => None,
+    };
+    let mut flattened =
+        Flattened { source, folder, objects: Vec::new(), meshes: Vec::new(), files: HashMap::new() };
+    flattened.add(&description.root, None)?;
+    let Flattened { objects, meshes, .. } = flattened;
+    let scene = Scene {
+        camera,
+        lights,
+        ambient_light,
+        background: Background { color: description.background.color, cube_map },
+        materials: description.materials.iter().map(to_material).collect(),
+        accelerator: Accelerator::new(&objects),
+        objects,
+        meshes,
+    };
+    Ok(Compiled { scene, warnings })
+}
+
+fn camera(description: &Description) -> Result<Camera, Error> {
+    let block = &description.camera;
+    let angle_radians = block.angle_degrees.value.to_radians();
+    let camera = Camera::new(block.center.value, block.direction.value, block.up.value, angle_radians);
+    camera.map_err(|error| {
+        let (span, message) = match error {
+            CameraError::Angle => (block.angle_degrees.span, "'angle' must be above 0 and below 180 degrees"),
+            CameraError::Direction => (block.direction.span, "'direction' has no length"),
+            CameraError::Up => (block.up.span, "'up' has no length"),
+            CameraError::UpAlongDirection => (block.up.span, "'up' is parallel to 'direction'"),
+        };
+        description.source.error(span, message)
+    })
+}
+
+/// The lights of the plan and the ambient light.
+fn lights(
+    description: &Description,
+    plan: &Plan,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Light>, Vector3), Error> {
+    let source = &description.source;
+    let mut lights = Vec::new();
+    for (index, block) in description.lights.iter().enumerate() {
+        let light = match block {
+            LightBlock::Directional { direction, color } => {
+                let Some(unit) = direction.value.try_normalized() else {
+                    return Err(source.error(direction.span, "'direction' has no length"));
+                };
+                Light::Directional { to_light: -unit, color: *color }
+            }
+            LightBlock::Point { position, color, falloff, span } => {
+                if *falloff == 0.0 {
+                    warnings.push(format!(
+                        "{}: this PointLight has no falloff, so its light is infinite",
+                        location(source, *span)
+                    ));
+                }
+                Light::Point { position: *position, color: *color, falloff: *falloff as Real }
+            }
+        };
+        if plan.lights.contains(&index) {
+            lights.push(light);
+        }
+    }
+    if description.lights.is_empty() {
+        warnings.push(format!("{}: the scene has no lights: ambient light becomes 1 1 1", source.path.display()));
+        return Ok((lights, Vector3::splat(1.0)));
+    }
+    Ok((lights, description.background.ambient_light))
+}
+
+fn location(source: &SourceText, span: Span) -> String {
+    let (line, column) = source.line_and_column(span.start);
+    format!("{}:{line}:{column}", source.path.display())
+}
+
+/// World bounds are larger than the objects by this share of their largest coordinate, which rounding on the way
+/// between object and world space does not reach.
+const BOUNDS_MARGIN: Real = 4096.0 * Real::EPSILON;
+
+/// The tree of objects as a list.
+struct Flattened<'a> {
+    source: &'a Arc<SourceText>,
+    folder: &'a Path,
+    objects: Vec<Object>,
+    meshes: Vec<Mesh>,
+    /// Meshes by their file.
+    files: HashMap<PathBuf, u32>,
+}
+
+impl Flattened<'_> {
+    /// `world_from_parent` is `None` outside any transform.
+    fn add(&mut self, node: &Node, world_from_parent: Option<&Matrix4>) -> Result<(), Error> {
+        match node {
+            Node::Group(members) => members.iter().try_for_each(|member| self.add(member, world_from_parent)),
+            Node::Transform { steps, child } => {
+                let parent = world_from_parent.copied().unwrap_or(Matrix4::IDENTITY);
+                let world_from_object = parent * self.composed(steps)?;
+                self.add(child, Some(&world_from_object))
+            }
+            Node::Leaf(leaf) => self.add_leaf(leaf, world_from_parent),
+        }
+    }
+
+    /// Steps multiply on the right, so the first is applied last; a `Matrix4f` multiplies on the left.
+    fn composed(&self, steps: &[At<TransformStep>]) -> Result<Matrix4, Error> {
+        let mut product = Matrix4::IDENTITY;
+        for step in steps {
+            let matrix = step_matrix(&step.value).map_err(|message| self.source.error(step.span, message))?;
+            if matrix.affine_inverse().is_err() {
+                let message = "this transformation squashes space flat: its matrix has no inverse";
+                return Err(self.source.error(step.span, message));
+            }
+            product = match step.value {
+                TransformStep::Matrix4f(_) => matrix * product,
+                _ => product * matrix,
+            };
+        }
+        Ok(product)
+    }
+
+    fn add_leaf(&mut self, leaf: &Leaf, world_from_object: Option<&Matrix4>) -> Result<(), Error> {
+        let (shape, bounds) = self.shape(leaf)?;
+        if bounds.is_some_and(|bounds| bounds.is_empty()) {
+            return Ok(());
+        }
+        let placement = match world_from_object {
+            None => None,
+            Some(matrix) => Some(Box::new(Placement::new(matrix).map_err(|_| {
+                let message = "the transforms around this object squash space flat: their product has no inverse";
+                self.source.error(leaf.span, message)
+            })?)),
+        };
+        let bounds = bounds.map(|bounds| {
+            let world = world_from_object.map_or(bounds, |matrix| bounds.transformed(matrix));
+            world.grown(world.max_abs() * BOUNDS_MARGIN)
+        });
+        self.objects.push(Object { shape, placement, material: leaf.material, bounds });
+        Ok(())
+    }
+
+    /// The shape and its bounds in object space.
+    fn shape(&mut self, leaf: &Leaf) -> Result<(Shape, Option<Aabb>), Error> {
+        Ok(match &leaf.shape {
+            ShapeBlock::Sphere { center, radius } => {
+                if radius.value <= 0.0 {
+                    return Err(self.source.error(radius.span, "'radius' must be above 0"));
+                }
+                let sphere = Sphere { center: *center, radius: radius.value as Real };
+                let bounds = sphere.bounds();
+                (Shape::Sphere(sphere), Some(bounds))
+            }
+            ShapeBlock::Plane { normal, offset } => {
+                if normal.value == Vector3::ZERO {
+                    return Err(self.source.error(normal.span, "'normal' has no length"));
+                }
+                (Shape::Plane(Plane { normal: normal.value, offset: *offset as Real }), None)
+            }
+            ShapeBlock::Triangle { vertices } => {
+                let triangle = Triangle::new(*vertices);
+                let bounds = triangle.bounds();
+                (Shape::Triangle(triangle), Some(bounds))
+            }
+            ShapeBlock::TriangleMesh { obj_file } => {
+                let mesh = self.mesh(obj_file)?;
+                (Shape::Mesh(mesh), Some(*self.meshes[mesh as usize].bounds()))
+            }
+        })
+    }
+
+    /// The number of a mesh; each file is read once.
+    fn mesh(&mut self, obj_file: &At<String>) -> Result<u32, Error> {
+        let path = self.folder.join(&obj_file.value);
+        if let Some(&known) = self.files.get(&path) {
+            return Ok(known);
+        }
+        let bytes = std::fs::read(&path).map_err(|error| {
+            let message = format!("cannot read the mesh '{}': {error}", path.display());
+            self.source.error(obj_file.span, message)
+        })?;
+        let index = self.meshes.len() as u32;
+        self.meshes.push(mesh_file::parse_mesh(&path, &bytes)?);
+        self.files.insert(path, index);
+        Ok(index)
+    }
+}
+
+/// The matrix of one step, or what is wrong with it.
+fn step_matrix(step: &TransformStep) -> Result<Matrix4, &'static str> {
+    match *step {
+        TransformStep::Translate(offset) => Ok(Matrix4::translation(offset)),
+        TransformStep::Scale(factors) => Ok(Matrix4::scaling(factors)),
+        TransformStep::Rotate { axis, degrees } => {
+            let axis = axis.try_normalized().ok_or("the axis of this rotation has no length")?;
+            Ok(Matrix4::rotation(axis, degrees.to_radians() as Real))
+        }
+        TransformStep::Matrix4f(numbers) => {
+            let matrix = Matrix4::from_column_major(numbers.map(|number| number as Real));
+            let last_row = "the last row of this matrix (its numbers 4, 8, 12 and 16) must be 0 0 0 1";
+            matrix.is_affine().then_some(matrix).ok_or(last_row)
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! [`Description`]: what the text of a scene file says, and where it says it.
+//!
+//! Plain data. Nothing here has been opened, checked against other files, or multiplied out.
+
+use crate::error::{SourceText, Span};
+use std::sync::Arc;
+use vecmath::Vector3;
+
+/// A value and its place in the scene file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct At<T> {
+    pub value: T,
+    pub span: Span,
+}
+
+/// A whole scene file.
+#[derive(Debug)]
+pub struct Description {
+    pub source: Arc<SourceText>,
+    pub camera: CameraBlock,
+    /// Empty where the file has no lights.
+    pub lights: Vec<LightBlock>,
+    pub background: BackgroundBlock,
+    pub materials: Vec<MaterialBlock>,
+    /// The tree of objects.
+    pub root: Node,
+}
+
+/// `PerspectiveCamera { center direction up angle }`
+#[derive(Clone, Debug)]
+pub struct CameraBlock {
+    pub center: At<Vector3>,
+    pub direction: At<Vector3>,
+    pub up: At<Vector3>,
+    pub angle_degrees: At<f64>,
+}
+
+/// One light of `Lights { numLights ... }`
+#[derive(Clone, Debug)]
+pub enum LightBlock {
+    Directional { direction: At<Vector3>, color: Vector3 },
+    Point { position: Vector3, color: Vector3, falloff: f64, span: Span },
+}
+
+/// `Background { color ambientLight cubeMap }`
+#[derive(Clone, Debug)]
+pub struct BackgroundBlock {
+    pub color: Vector3,
+    pub ambient_light: Vector3,
+    pub cube_map: Option<At<String>>,
+}
+
+/// `Material { diffuseColor specularColor shininess }`
+#[derive(Clone, Debug)]
+pub struct MaterialBlock {
+    pub diffuse: Vector3,
+    pub specular: Vector3,
+    pub shininess: f64,
+}
+
+/// An object, or several.
+#[derive(Debug)]
+pub enum Node {
+    /// Members in the order of the file.
+    Group(Vec<Node>),
+    Transform {
+        /// In the order of the file: the first is applied last.
+        steps: Vec<At<TransformStep>>,
+        child: Box<Node>,
+    },
+    Leaf(Leaf),
+}
+
+/// An object with a surface.
+#[derive(Debug)]
+pub struct Leaf {
+    pub shape: ShapeBlock,
+    /// Place of the object's name.
+    pub span: Span,
+    /// The `MaterialIndex` in force where the object stands.
+    pub material: u32,
+}
+
+/// The fields of an object.
+#[derive(Debug)]
+pub enum ShapeBlock {
+    Sphere { center: Vector3, radius: At<f64> },
+    Plane { normal: At<Vector3>, offset: f64 },
+    Triangle { vertices: [Vector3; 3] },
+    TriangleMesh { obj_file: At<String> },
+}
+
+impl Default for BackgroundBlock {
+    fn default() -> Self {
+        Self { color: Vector3::splat(0.5), ambient_light: Vector3::ZERO, cube_map: None }
+    }
+}
+
+/// One line of a `Transform`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TransformStep {
+    Translate(Vector3),
+    Scale(Vector3),
+    Rotate {
+        axis: Vector3,
+        degrees: f64,
+    },
+    /// Sixteen numbers, column by column.
+    Matrix4f([f64; 16]),
+}

@@ -1,0 +1,207 @@
+//! The grammar that all blocks share: `Name { key value ... }`, keys in any order, each at most once.
+
+use super::lexer::{Lexer, Token};
+use crate::error::{Error, SourceText, Span, probably_meant};
+use std::sync::Arc;
+use vecmath::{Real, Vector3};
+
+/// How often a key may stand in its block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Occurs {
+    Once,
+    AtMostOnce,
+    AnyNumber,
+}
+
+/// A key of a block.
+pub(super) type Key = (&'static str, Occurs);
+
+/// Words of related formats (later versions of the course, other courses), which people try here.
+const FOREIGN_WORDS: &[&str] = &[
+    "OrthographicCamera",
+    "OrthogonalCamera",
+    "SpotLight",
+    "AreaLight",
+    "AmbientLight",
+    "refractionIndex",
+    "indexOfRefraction",
+    "transparentColor",
+    "reflectiveColor",
+    "exponent",
+    "texture",
+    "Checkerboard",
+    "Noise",
+    "Marble",
+    "Wood",
+    "Glass",
+    "Cone",
+    "Cylinder",
+    "Torus",
+    "Cube",
+    "Box",
+    "SimpleCamera",
+    "fov",
+    "emissionColor",
+];
+
+/// Reads tokens and the values made of them.
+pub(super) struct Fields<'a> {
+    pub source: &'a Arc<SourceText>,
+    pub lexer: Lexer<'a>,
+}
+
+impl<'a> Fields<'a> {
+    pub fn new(source: &'a Arc<SourceText>) -> Self {
+        Self { source, lexer: Lexer::new(&source.text) }
+    }
+
+    pub fn error(&self, span: Span, message: impl Into<String>) -> Error {
+        self.source.error(span, message)
+    }
+
+    pub fn line(&self, span: Span) -> usize {
+        self.source.line_and_column(span.start).0
+    }
+
+    /// The next token, or an error that says what was expected instead of the end of the file.
+    pub fn next(&mut self, expected: &str) -> Result<Token<'a>, Error> {
+        self.lexer.next().ok_or_else(|| {
+            let end = self.lexer.end();
+            self.error(end, format!("expected {expected}, found the end of the file"))
+        })
+    }
+
+    pub fn open_brace(&mut self, block: &str) -> Result<(), Error> {
+        let token = self.next(&format!("'{{' after '{block}'"))?;
+        if token.text == "{" {
+            return Ok(());
+        }
+        let message = format!("expected '{{' after '{block}', found '{}'", token.text);
+        Err(self.error(token.span, message))
+    }
+
+    /// A word that is the value of `key`: no brace.
+    pub fn word(&mut self, key: &str, expected: &str) -> Result<Token<'a>, Error> {
+        let expected = format!("{expected} for '{key}'");
+        let token = self.next(&expected)?;
+        if matches!(token.text, "{" | "}") {
+            let message = format!("expected {expected}, found '{}'", token.text);
+            return Err(self.error(token.span, message));
+        }
+        Ok(token)
+    }
+
+    /// A finite decimal number. `nan`, `inf` and hexadecimal floats, which the starter's `scanf` lets through, are
+    /// refused, and so is what is too large for an `f64`.
+    pub fn number(&mut self, key: &str) -> Result<f64, Error> {
+        let token = self.word(key, "a number")?;
+        let starts_like_a_number =
+            token.text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'));
+        match token.text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) if starts_like_a_number && token.text.contains(|c: char| c.is_ascii_digit()) => {
+                Err(self.error(token.span, format!("the number for '{key}' is too large (at most 1.79e308)")))
+            }
+            Ok(_) => {
+                let message = format!("expected a finite number for '{key}', found '{}'", token.text);
+                Err(self.error(token.span, message))
+            }
+            Err(_) => {
+                let message = format!("expected a number for '{key}', found '{}'", token.text);
+                Err(self.error(token.span, message))
+            }
+        }
+    }
+
+    pub fn vector3(&mut self, key: &str) -> Result<Vector3, Error> {
+        let mut component = || self.number(key).map(|number| number as Real);
+        Ok(Vector3::new(component()?, component()?, component()?))
+    }
+
+    /// A whole number from 0 to 2^31 - 1.
+    pub fn count(&mut self, key: &str) -> Result<u32, Error> {
+        let token = self.word(key, "a whole number")?;
+        match token.text.parse::<u32>() {
+            Ok(value) if value <= i32::MAX as u32 => Ok(value),
+            _ => {
+                let message =
+                    format!("expected a whole number from 0 to 2147483647 for '{key}', found '{}'", token.text);
+                Err(self.error(token.span, message))
+            }
+        }
+    }
+
+    /// Reads `{ key value ... }`; `read` is called behind each key to take its value.
+    ///
+    /// # Errors
+    /// A key that the block does not have, that stands twice, or that is missing; and what `read` refuses.
+    pub fn block(
+        &mut self,
+        name: Token<'a>,
+        keys: &[Key],
+        mut read: impl FnMut(&mut Self, &'static str, Span) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.open_brace(name.text)?;
+        let mut seen: Vec<(&str, Span)> = Vec::new();
+        loop {
+            let token = self.next(&format!("'}}' to end '{}' of line {}", name.text, self.line(name.span)))?;
+            if token.text == "}" {
+                break;
+            }
+            let Some(&(key, occurs)) = keys.iter().find(|(key, _)| *key == token.text) else {
+                return Err(self.unknown_word(token, &format!("'{}'", name.text), keys.iter().map(|key| key.0)));
+            };
+            if occurs != Occurs::AnyNumber {
+                self.refuse_repetition(&mut seen, key, token.span)?;
+            }
+            read(self, key, token.span)?;
+        }
+        let missing = |key: &&Key| key.1 == Occurs::Once && !seen.iter().any(|(name, _)| *name == key.0);
+        match keys.iter().find(missing) {
+            Some((key, _)) => Err(self.error(name.span, format!("this '{}' has no '{key}'", name.text))),
+            None => Ok(()),
+        }
+    }
+
+    /// Notes that `key` stands at `span`; an error if it stood somewhere before.
+    pub fn refuse_repetition(
+        &self,
+        seen: &mut Vec<(&'static str, Span)>,
+        key: &'static str,
+        span: Span,
+    ) -> Result<(), Error> {
+        if let Some((_, first)) = seen.iter().find(|(name, _)| *name == key) {
+            let (line, first_line) = (self.line(span), self.line(*first));
+            let message = format!("a second '{key}' in line {line}: the first one is in line {first_line}");
+            return Err(self.error(span, message));
+        }
+        seen.push((key, span));
+        Ok(())
+    }
+
+    /// The error for a word that `place` does not know.
+    pub fn unknown_word<'k>(
+        &self,
+        token: Token<'a>,
+        place: &str,
+        known: impl Iterator<Item = &'k str> + Clone,
+    ) -> Error {
+        if FOREIGN_WORDS.contains(&token.text) {
+            let message = format!("this scene format has no '{}'", token.text);
+            return self.error(token.span, message).with_note(format!("{place} knows {}", listed(known)));
+        }
+        if matches!(token.text, "{" | "}") {
+            let message = format!("'{}' does not belong here: {place} knows {}", token.text, listed(known));
+            return self.error(token.span, message);
+        }
+        let error = self.error(token.span, format!("{place} has no '{}'", token.text));
+        match probably_meant(token.text, known.clone()) {
+            Some(word) => error.with_note(format!("did you mean '{word}'?")),
+            None => error.with_note(format!("it knows {}", listed(known))),
+        }
+    }
+}
+
+fn listed<'k>(words: impl Iterator<Item = &'k str>) -> String {
+    words.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,43 @@
+//! From the text of a scene file to what rays meet.
+//!
+//! [`parse`](parser::parse) turns text into a [`Description`](description::Description): what the file says, every
+//! node with its place in the file, and nothing opened but the text itself. [`compile`](compile::compile) turns that
+//! into a [`Scene`]: flat, immutable, shared by all threads.
+
+mod blocks;
+pub mod compile;
+pub mod description;
+mod fields;
+mod lexer;
+mod mesh_file;
+pub mod parser;
+
+use crate::accel::Accelerator;
+use crate::camera::Camera;
+use crate::cube_map::CubeMap;
+use crate::light::Light;
+use crate::material::Material;
+use crate::objects::{Mesh, Object};
+use vecmath::Vector3;
+
+/// What surrounds everything: seen by every ray that meets no object.
+#[derive(Debug)]
+pub struct Background {
+    pub color: Vector3,
+    pub cube_map: Option<CubeMap>,
+}
+
+/// Everything a ray can meet, ready to be met.
+#[derive(Debug)]
+pub struct Scene {
+    pub camera: Camera,
+    pub lights: Vec<Light>,
+    pub ambient_light: Vector3,
+    pub background: Background,
+    pub materials: Vec<Material>,
+    /// In the order of the file: where two objects are hit at the same distance, the first one counts.
+    pub objects: Vec<Object>,
+    /// Each mesh file once, however many objects use it.
+    pub meshes: Vec<Mesh>,
+    pub accelerator: Accelerator,
+}
