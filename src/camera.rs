@@ -1,0 +1,122 @@
+//! [`Camera`]: from a place in the picture to a ray.
+
+use crate::objects::Ray;
+use vecmath::{Real, Vector3};
+
+/// A pinhole camera.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    center: Vector3,
+    /// The view direction at the length at which the picture spans -1 to 1 along `horizontal` and `up`.
+    forward: Vector3,
+    /// Unit vector to the right.
+    horizontal: Vector3,
+    /// As the scene gives it: neither normalised nor made orthogonal, which is the starter's camera.
+    up: Vector3,
+}
+
+impl Camera {
+    /// A camera with an opening angle from bottom to top, in radians, above 0 and below pi.
+    ///
+    /// # Errors
+    /// What is wrong, where no picture could come of it.
+    pub fn new(center: Vector3, direction: Vector3, up: Vector3, angle_radians: f64) -> Result<Self, CameraError> {
+        if !(angle_radians > 0.0 && angle_radians < std::f64::consts::PI) {
+            return Err(CameraError::Angle);
+        }
+        let direction = direction.try_normalized().ok_or(CameraError::Direction)?;
+        let up_direction = up.try_normalized().ok_or(CameraError::Up)?;
+        let across = direction.cross(up_direction);
+        // Two unit vectors that are parallel up to rounding have a cross product of a few rounding units.
+        if across.length() <= 4.0 * Real::EPSILON {
+            return Err(CameraError::UpAlongDirection);
+        }
+        // libm gives the same bits on every machine.
+        let half_height = libm::tan(angle_radians / 2.0) as Real;
+        Ok(Self { center, forward: direction / half_height, horizontal: direction.cross(up).normalized(), up })
+    }
+
+    /// The ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
+    pub fn ray(&self, ndc_x: Real, ndc_y: Real) -> Ray {
+        let direction = self.forward + self.horizontal * ndc_x + self.up * ndc_y;
+        Ray { origin: self.center, direction: direction.normalized() }
+    }
+}
+
+/// Why a camera sees nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CameraError {
+    Angle,
+    Direction,
+    Up,
+    UpAlongDirection,
+}
+
+/// The pixels of a picture as places for the camera.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelGrid {
+    pub width: u32,
+    pub height: u32,
+}
+
+impl PixelGrid {
+    /// The place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels.
+    ///
+    /// The outermost pixels lie on the picture's border. A grid one pixel wide has its pixel in the middle and no
+    /// width to move by.
+    pub fn ndc(&self, x: u32, row: u32, offset_x: Real, offset_y: Real) -> (Real, Real) {
+        let place = |pixel: u32, count: u32, offset: Real| match count {
+            1 => 0.0,
+            _ => 2.0 * (pixel as Real + offset) / (count - 1) as Real - 1.0,
+        };
+        (place(x, self.width, offset_x), place(self.height - 1 - row, self.height, offset_y))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const Z: Vector3 = Vector3::new(0.0, 0.0, 1.0);
+    const Y: Vector3 = Vector3::new(0.0, 1.0, 0.0);
+
+    fn camera() -> Camera {
+        Camera::new(Vector3::new(0.0, 0.0, 5.0), -2.0 * Z, Y, std::f64::consts::FRAC_PI_2).unwrap()
+    }
+
+    #[test]
+    fn the_angle_is_the_full_height() {
+        let half = (0.5 as Real).sqrt();
+        let top = camera().ray(0.0, 1.0).direction;
+        assert!((top - Vector3::new(0.0, half, -half)).max_abs() < 4.0 * Real::EPSILON, "{top:?}");
+        assert_eq!(camera().ray(0.0, 0.0).direction, -Z);
+    }
+
+    #[test]
+    fn up_is_used_as_given() {
+        let skewed = Camera::new(Vector3::ZERO, -Z, Vector3::new(0.0, 3.0, -1.0), std::f64::consts::FRAC_PI_2);
+        let direction = skewed.unwrap().ray(0.0, 1.0).direction;
+        let expected = Vector3::new(0.0, 3.0, -2.0).normalized();
+        assert!((direction - expected).max_abs() < 4.0 * Real::EPSILON);
+    }
+
+    #[test]
+    fn what_sees_nothing_is_refused() {
+        let camera = |direction, up, degrees: f64| Camera::new(Vector3::ZERO, direction, up, degrees.to_radians());
+        assert_eq!(camera(Vector3::ZERO, Y, 30.0).unwrap_err(), CameraError::Direction);
+        assert_eq!(camera(Z, Vector3::ZERO, 30.0).unwrap_err(), CameraError::Up);
+        assert_eq!(camera(Z, -7.0 * Z, 30.0).unwrap_err(), CameraError::UpAlongDirection);
+        for degrees in [0.0, -30.0, 180.0, 400.0, f64::NAN] {
+            assert_eq!(camera(Z, Y, degrees).unwrap_err(), CameraError::Angle);
+        }
+    }
+
+    #[test]
+    fn pixels_span_the_picture_and_a_lone_pixel_is_its_middle() {
+        let grid = PixelGrid { width: 5, height: 3 };
+        assert_eq!(grid.ndc(0, 2, 0.0, 0.0), (-1.0, -1.0));
+        assert_eq!(grid.ndc(4, 0, 0.0, 0.0), (1.0, 1.0));
+        assert_eq!(grid.ndc(0, 2, 0.5, 1.0), (-0.75, 0.0));
+        assert_eq!(PixelGrid { width: 1, height: 1 }.ndc(0, 0, 0.3, 0.9), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,171 @@
+//! [`CubeMap`]: six pictures around the scene.
+
+use crate::error::Error;
+use image::{ImageDecoder, ImageReader};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use vecmath::{Real, Vector3};
+
+/// File names of the faces, in the order of [`CubeMap::faces`]: +x, -x, +y, -y, +z, -z.
+const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
+
+/// A folder with a picture for each side of a cube.
+#[derive(Debug)]
+pub struct CubeMap {
+    faces: [Face; 6],
+}
+
+/// A picture that is decoded when the first ray reaches it.
+#[derive(Debug)]
+struct Face {
+    path: PathBuf,
+    width: usize,
+    height: usize,
+    /// Three bytes a texel, rows from the top; or why there are none.
+    texels: OnceLock<Result<Vec<u8>, String>>,
+}
+
+impl CubeMap {
+    /// Opens the six pictures of a folder and reads their sizes, and no more.
+    ///
+    /// # Errors
+    /// [`Error::File`] for a face that is missing or no picture.
+    pub fn open(folder: &Path) -> Result<Self, Error> {
+        let open = |name: &str| {
+            let path = folder.join(format!("{name}.png"));
+            let refused = |error: image::ImageError| Error::file(&path, unreadable(&error));
+            let file =
+                ImageReader::open(&path).map_err(|error| Error::io(&path, "read this cube map face", &error))?;
+            let decoder = file.into_decoder().map_err(refused)?;
+            let (width, height) = decoder.dimensions();
+            Ok(Face { width: width as usize, height: height as usize, texels: OnceLock::new(), path })
+        };
+        let [right, left, up, down, front, back] = FACE_NAMES;
+        Ok(Self { faces: [open(right)?, open(left)?, open(up)?, open(down)?, open(front)?, open(back)?] })
+    }
+
+    /// The colour in a direction (of any length but zero), bilinearly interpolated.
+    pub fn color(&self, direction: Vector3) -> Vector3 {
+        let d = direction.normalized();
+        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let unit = |ratio: Real| (ratio + 1.0) / 2.0;
+        // Which way a face's picture is turned, or mirrored, is the starter's choice.
+        let (face, u, v) = if x >= y && x >= z {
+            let (u, v) = (unit(d.z / d.x), unit(d.y / d.x));
+            if d.x > 0.0 { (0, u, v) } else { (1, u, 1.0 - v) }
+        } else if y >= z {
+            let (u, v) = (unit(d.x / d.y), unit(d.z / d.y));
+            if d.y > 0.0 { (2, u, v) } else { (3, 1.0 - u, 1.0 - v) }
+        } else {
+            let (u, v) = (unit(d.x / d.z), unit(d.y / d.z));
+            if d.z > 0.0 { (4, 1.0 - u, v) } else { (5, u, 1.0 - v) }
+        };
+        self.faces[face].color(u, v)
+    }
+
+    /// How many faces have been decoded so far.
+    pub fn decoded_faces(&self) -> usize {
+        self.faces.iter().filter(|face| face.texels.get().is_some()).count()
+    }
+
+    /// What went wrong with the faces that rays reached; those faces are black.
+    ///
+    /// # Errors
+    /// [`Error::File`] for the first face that could not be decoded.
+    pub fn check_decoded_faces(&self) -> Result<(), Error> {
+        for face in &self.faces {
+            if let Some(Err(message)) = face.texels.get() {
+                return Err(Error::file(&face.path, message));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Face {
+    /// Bilinear interpolation; u and v from 0 to 1, v from the bottom.
+    fn color(&self, u: Real, v: Real) -> Vector3 {
+        let Ok(texels) = self.texels.get_or_init(|| self.decode()) else {
+            return Vector3::ZERO;
+        };
+        let (x, y) = (u * self.width as Real, (1.0 - v) * self.height as Real);
+        let (column, row) = (x as usize, y as usize);
+        let (right, below) = (x.fract(), y.fract());
+        let texel = |column: usize, row: usize| {
+            let at = 3 * (row.min(self.height - 1) * self.width + column.min(self.width - 1));
+            // A product with 1/255 would differ in the last bit, which truncation shows.
+            Vector3::new(texels[at] as Real, texels[at + 1] as Real, texels[at + 2] as Real) / 255.0
+        };
+        let upper = texel(column, row) * (1.0 - right) + texel(column + 1, row) * right;
+        let lower = texel(column, row + 1) * (1.0 - right) + texel(column + 1, row + 1) * right;
+        upper * (1.0 - below) + lower * below
+    }
+
+    fn decode(&self) -> Result<Vec<u8>, String> {
+        let picture = image::open(&self.path).map_err(|error| unreadable(&error))?;
+        if (picture.width() as usize, picture.height() as usize) != (self.width, self.height) {
+            return Err("the file changed while it was used".to_owned());
+        }
+        Ok(picture.into_rgb8().into_raw())
+    }
+}
+
+fn unreadable(error: &image::ImageError) -> String {
+    format!("cannot read this picture: {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Faces of 2 x 2 texels whose colours tell face and texel apart: red = 10 * face, green = column, blue = row.
+    fn sample() -> CubeMap {
+        let face = |index: usize| {
+            let texel = |i: usize| [10 * index as u8, 100 * (i % 2) as u8, 100 * (i / 2) as u8];
+            Face {
+                path: PathBuf::new(),
+                width: 2,
+                height: 2,
+                texels: OnceLock::from(Ok((0..4).flat_map(texel).collect())),
+            }
+        };
+        CubeMap { faces: [0, 1, 2, 3, 4, 5].map(face) }
+    }
+
+    fn bytes(x: Real, y: Real, z: Real) -> [Real; 3] {
+        (sample().color(Vector3::new(x, y, z)) * 255.0).to_array().map(Real::round)
+    }
+
+    #[test]
+    fn the_largest_component_chooses_the_face_and_x_wins_ties() {
+        for (direction, face) in [
+            ([1.0, 0.0, 0.0], 0.0),
+            ([-2.0, 0.0, 0.0], 1.0),
+            ([0.0, 3.0, 1.0], 2.0),
+            ([0.0, -1.0, 0.0], 3.0),
+            ([0.0, 0.0, 0.1], 4.0),
+            ([0.0, 0.0, -5.0], 5.0),
+            ([1.0, 1.0, 1.0], 0.0),
+            ([0.0, -1.0, 1.0], 3.0),
+        ] {
+            let [x, y, z] = direction;
+            assert_eq!(bytes(x, y, z)[0], 10.0 * face, "{direction:?}");
+        }
+    }
+
+    #[test]
+    fn texels_lie_where_the_starter_puts_them() {
+        // u = 0.25 and v = 0.75: the middle between no texels, exactly on column 0 and row 0 plus a half each.
+        assert_eq!(bytes(1.0, 0.5, -0.5), [0.0, 50.0, 50.0]);
+        assert_eq!(bytes(1.0, 0.9999999, -0.9999999), [0.0, 0.0, 0.0]);
+        assert_eq!(bytes(1.0, -0.5, 0.5), [0.0, 100.0, 100.0]);
+        // Towards +x on the face behind the eye the starter's picture runs backwards.
+        assert_eq!(bytes(0.5, 0.0, -1.0)[1], 50.0);
+        assert_eq!(bytes(-0.5, 0.0, -1.0)[1], 100.0);
+    }
+
+    #[test]
+    fn the_border_is_clamped() {
+        assert_eq!(bytes(1.0, -1.0, 1.0), [0.0, 100.0, 100.0]);
+    }
+}

@@ -1,0 +1,77 @@
+//! Bytes of a picture to a PNG file, whole or not at all.
+
+use crate::error::Error;
+use std::borrow::Cow;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Writes a picture as 8 bit RGB. `bytes` are three a pixel, or one a pixel for a grey picture, rows from the top.
+///
+/// The file appears under its name only when it is complete.
+///
+/// # Errors
+/// [`Error::File`] when the folder does not exist or cannot be written to, or the disk is full.
+pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Error> {
+    let refused = |error: io::Error| Error::io(path, "write the picture", &error);
+    let mut file = temporary_beside(path)?;
+    encode(file.as_file_mut(), width, height, bytes).map_err(refused)?;
+    file.persist(path).map_err(|error| refused(error.error))?;
+    Ok(())
+}
+
+/// Finds out whether [`write_png`] could write to `path`, before a long computation and not after.
+///
+/// # Errors
+/// As [`write_png`].
+pub fn check_writable(path: &Path) -> Result<(), Error> {
+    if path.is_dir() {
+        return Err(Error::file(path, "this is a folder"));
+    }
+    temporary_beside(path).map(drop)
+}
+
+/// A file in the same folder (so that renaming stays within a disk) that goes away unless it is renamed.
+fn temporary_beside(path: &Path) -> Result<NamedTempFile, Error> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(Error::file(path, format!("the folder '{}' does not exist", folder.display())));
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".a2-").suffix(".png.part");
+    #[cfg(unix)]
+    {
+        // Temporary files are private by default, pictures are not; the process's umask applies.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|error| Error::io(path, "write the picture", &error))
+}
+
+fn encode(file: &mut std::fs::File, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 16, file);
+    let mut encoder = png::Encoder::new(&mut writer, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let pixels = width as usize * height as usize;
+    let rgb = match bytes.len() == pixels {
+        true => Cow::Owned(bytes.iter().flat_map(|&grey| [grey; 3]).collect()),
+        false => Cow::Borrowed(bytes),
+    };
+    let mut encoded = encoder.write_header().map_err(io::Error::other)?;
+    encoded.write_image_data(&rgb).map_err(into_io)?;
+    encoded.finish().map_err(into_io)?;
+    writer.flush()
+}
+
+/// The operating system's own words where there are any.
+fn into_io(error: png::EncodingError) -> io::Error {
+    match error {
+        png::EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}

@@ -1,0 +1,180 @@
+//! What was seen, as numbers and as bytes.
+//!
+//! A [`Pixel`] holds displayed values: colour as it is, depth and normal already mapped to \[0, 1\]. A [`Film`] holds
+//! the bytes of the pictures that are asked for, and no others.
+
+mod encode;
+
+pub use encode::{check_writable, write_png};
+
+use crate::plan::Plan;
+use crate::render::trace::Seen;
+use vecmath::{Real, Vector3};
+
+/// The displayed values of a pixel or of a sample of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Not clamped.
+    pub color: Vector3,
+    /// 0 (nearest, or nothing seen) to 1.
+    pub depth: Real,
+    /// (n + 1)/2, each component from 0 to 1.
+    pub normal: Vector3,
+}
+
+impl Pixel {
+    /// Maps depths from `depth_range` to \[0, 1\]; a range without extent is black.
+    pub fn of(seen: &Seen, (min, max): (Real, Real)) -> Self {
+        let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
+        let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
+        Self {
+            color: seen.color,
+            depth: if min == max { 0.0 } else { clamped(depth) },
+            normal: ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped),
+        }
+    }
+
+    /// Ready to be averaged: a colour that is NaN counts as 0, an infinite one as the largest `f32`.
+    #[must_use]
+    pub fn sanitized(mut self) -> Self {
+        const LARGEST: Real = f32::MAX as Real;
+        self.color = self.color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) });
+        self
+    }
+}
+
+/// The weighted mean of pixels; the weights sum to 1.
+fn weighted(pixels: &[Pixel], weight: impl Fn(usize) -> Real) -> Pixel {
+    let mut mean = Pixel::default();
+    for (i, pixel) in pixels.iter().enumerate() {
+        let weight = weight(i);
+        mean.color += pixel.color * weight;
+        mean.depth += pixel.depth * weight;
+        mean.normal += pixel.normal * weight;
+    }
+    mean
+}
+
+/// The mean of pixels.
+pub fn average(pixels: &[Pixel]) -> Pixel {
+    let share = 1.0 / pixels.len() as Real;
+    weighted(pixels, |_| share)
+}
+
+/// A 3 x 3 block, weighted (1 2 1; 2 4 2; 1 2 1)/16.
+pub fn tent_average(block: &[Pixel; 9]) -> Pixel {
+    const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
+    weighted(block, |i| WEIGHTS[i] / 16.0)
+}
+
+/// The bytes of the pictures that are asked for, rows from the top.
+#[derive(Debug)]
+pub struct Film {
+    pub width: u32,
+    pub height: u32,
+    /// Three bytes a pixel.
+    pub color: Option<Vec<u8>>,
+    /// One byte a pixel.
+    pub depth: Option<Vec<u8>>,
+    /// Three bytes a pixel.
+    pub normals: Option<Vec<u8>>,
+}
+
+impl Film {
+    /// A black film for the pictures of `plan`.
+    pub fn new(width: u32, height: u32, plan: &Plan) -> Self {
+        let pixels = width as usize * height as usize;
+        let plane = |wanted: bool, bytes: usize| wanted.then(|| vec![0; pixels * bytes]);
+        Self {
+            width,
+            height,
+            color: plane(plan.color, 3),
+            depth: plane(plan.depth, 1),
+            normals: plane(plan.normals, 3),
+        }
+    }
+
+    /// Stores the pixels of a rectangle `width` wide whose top left pixel is (`x`, `row`).
+    pub fn set_tile(&mut self, x: u32, row: u32, width: u32, pixels: &[Pixel]) {
+        for (line, pixels) in pixels.chunks_exact(width as usize).enumerate() {
+            let start = (row as usize + line) * self.width as usize + x as usize;
+            let places = start..start + pixels.len();
+            if let Some(plane) = &mut self.color {
+                set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.color);
+            }
+            if let Some(plane) = &mut self.normals {
+                set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.normal);
+            }
+            if let Some(plane) = &mut self.depth {
+                for (byte, pixel) in plane[places].iter_mut().zip(pixels) {
+                    *byte = to_byte(pixel.depth);
+                }
+            }
+        }
+    }
+}
+
+fn set_colors(bytes: &mut [u8], pixels: &[Pixel], color: impl Fn(&Pixel) -> Vector3) {
+    for (bytes, pixel) in bytes.chunks_exact_mut(3).zip(pixels) {
+        bytes.copy_from_slice(&color(pixel).to_array().map(to_byte));
+    }
+}
+
+/// clamp(trunc(255 c), 0, 255); NaN is 0. No gamma.
+pub fn to_byte(value: Real) -> u8 {
+    // The cast truncates, saturates, and takes NaN to 0.
+    (value * 255.0) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_truncated_and_saturate() {
+        for (value, byte) in [
+            (0.0, 0),
+            (0.5, 127),
+            (0.999, 254),
+            (1.0, 255),
+            (7.0, 255),
+            (1e30, 255),
+            (Real::INFINITY, 255),
+            (-0.5, 0),
+            (Real::NAN, 0),
+        ] {
+            assert_eq!(to_byte(value), byte, "{value}");
+        }
+    }
+
+    fn depth_of(t: Option<Real>, range: (Real, Real)) -> Real {
+        Pixel::of(&Seen { depth: t, ..Seen::default() }, range).depth
+    }
+
+    #[test]
+    fn depths_map_to_their_range() {
+        assert_eq!(depth_of(Some(9.0), (8.0, 12.0)), 0.25);
+        assert_eq!(depth_of(Some(9.0), (12.0, 8.0)), 0.75);
+        assert_eq!(depth_of(Some(20.0), (8.0, 12.0)), 1.0);
+        assert_eq!(depth_of(Some(1.0), (8.0, 12.0)), 0.0);
+        assert_eq!(depth_of(None, (8.0, 12.0)), 0.0);
+        assert_eq!(depth_of(None, (12.0, 8.0)), 0.0);
+        assert_eq!(depth_of(Some(9.0), (9.0, 9.0)), 0.0);
+    }
+
+    #[test]
+    fn the_filter_weighs_the_middle_most() {
+        let mut block = [Pixel::default(); 9];
+        block[4].color = Vector3::splat(1.0);
+        assert_eq!(tent_average(&block).color, Vector3::splat(0.25));
+        let flat = [Pixel { depth: 0.5, ..Pixel::default() }; 9];
+        assert_eq!(tent_average(&flat).depth, 0.5);
+    }
+
+    #[test]
+    fn what_is_no_number_is_averaged_as_a_number() {
+        let pixel = Pixel { color: Vector3::new(Real::NAN, Real::INFINITY, -1.0), ..Pixel::default() };
+        let largest = f32::MAX as Real;
+        assert_eq!(pixel.sanitized().color, Vector3::new(0.0, largest, -1.0));
+    }
+}

@@ -1,0 +1,72 @@
+//! [`Light`]: where light comes from, and how much of it.
+
+use vecmath::{Real, Vector3};
+
+/// A light without extent.
+#[derive(Clone, Debug)]
+pub enum Light {
+    Directional {
+        /// Unit vector.
+        to_light: Vector3,
+        color: Vector3,
+    },
+    Point {
+        position: Vector3,
+        color: Vector3,
+        falloff: Real,
+    },
+}
+
+/// A light as a point sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Illumination {
+    /// Unit vector to the light.
+    pub to_light: Vector3,
+    /// Infinite for a directional light.
+    pub distance: Real,
+    pub intensity: Vector3,
+}
+
+impl Light {
+    /// The light that falls on `point` if nothing is in the way. A point light fades with falloff times the squared
+    /// distance, and is infinite where that is zero.
+    pub fn illuminate(&self, point: Vector3) -> Illumination {
+        match *self {
+            Self::Directional { to_light, color } => {
+                Illumination { to_light, distance: Real::INFINITY, intensity: color }
+            }
+            Self::Point { position, color, falloff } => {
+                let offset = position - point;
+                let distance = offset.length();
+                Illumination {
+                    to_light: offset / distance,
+                    distance,
+                    intensity: color / (falloff * distance * distance),
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_light_fades_with_the_square_of_the_distance() {
+        let light = Light::Point {
+            position: Vector3::new(0.0, 4.0, 0.0),
+            color: Vector3::new(1.0, 2.0, 0.0),
+            falloff: 0.25,
+        };
+        let seen = light.illuminate(Vector3::new(0.0, 2.0, 0.0));
+        assert_eq!((seen.to_light, seen.distance), (Vector3::new(0.0, 1.0, 0.0), 2.0));
+        assert_eq!(seen.intensity, Vector3::new(1.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn without_falloff_it_is_infinite() {
+        let light = Light::Point { position: Vector3::ZERO, color: Vector3::splat(0.5), falloff: 0.0 };
+        assert_eq!(light.illuminate(Vector3::splat(1.0)).intensity, Vector3::splat(Real::INFINITY));
+    }
+}

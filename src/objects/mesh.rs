@@ -1,0 +1,179 @@
+//! [`Mesh`]: the triangles of an OBJ file, smoothly shaded.
+
+use super::triangle::face_normal;
+use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
+use crate::accel::Bvh;
+use vecmath::{Real, Vector3};
+
+/// Triangles that share corners by index.
+#[derive(Debug)]
+pub struct Mesh {
+    /// As precise as the OBJ file is read.
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// One a position: unit length, or zero where the faces around it cancel out.
+    vertex_normals: Vec<Vector3>,
+    bounds: Aabb,
+    /// `None` for so few triangles that a loop is faster.
+    bvh: Option<Bvh>,
+}
+
+/// Where a ray meets a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit {
+    pub triangle: u32,
+    pub hit: TriangleHit,
+}
+
+/// Up to so many triangles are tested in a loop.
+pub const LOOP_TRIANGLES: usize = 8;
+
+impl Mesh {
+    /// A mesh of these positions and corner indices, which must be in range.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        let mut mesh = Self {
+            bounds: Aabb::of_points(positions.iter().map(|&p| to_vector(p))),
+            vertex_normals: Vec::new(),
+            bvh: None,
+            positions,
+            triangles,
+        };
+        mesh.vertex_normals = mesh.smooth_normals();
+        if mesh.triangles.len() > LOOP_TRIANGLES {
+            let boxes: Vec<Aabb> = mesh.indices().map(|i| Aabb::of_points(mesh.corners(i))).collect();
+            mesh.bvh = Some(Bvh::build(&boxes));
+        }
+        mesh
+    }
+
+    /// For each position, the sum of the unit normals of its faces as a unit vector. Faces count the same whatever
+    /// their area; one without area counts nothing.
+    fn smooth_normals(&self) -> Vec<Vector3> {
+        let mut sums = vec![Vector3::ZERO; self.positions.len()];
+        for index in self.indices() {
+            let normal = face_normal(self.corners(index));
+            for corner in self.triangles[index as usize] {
+                sums[corner as usize] += normal;
+            }
+        }
+        sums.into_iter().map(Vector3::normalized).collect()
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    pub fn has_tree(&self) -> bool {
+        self.bvh.is_some()
+    }
+
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    fn indices(&self) -> std::ops::Range<u32> {
+        0..self.triangles.len() as u32
+    }
+
+    /// The corners of a triangle, in object space.
+    pub fn corners(&self, triangle: u32) -> [Vector3; 3] {
+        self.triangles[triangle as usize].map(|corner| to_vector(self.positions[corner as usize]))
+    }
+
+    /// The unit normal at a hit: the corners' normals, weighted. Where they cancel out, the face's own.
+    pub fn normal(&self, triangle: u32, barycentric: [Real; 3]) -> Vector3 {
+        let face = || face_normal(self.corners(triangle));
+        let mut sum = Vector3::ZERO;
+        for (corner, weight) in self.triangles[triangle as usize].into_iter().zip(barycentric) {
+            let normal = self.vertex_normals[corner as usize];
+            sum += weight * if normal == Vector3::ZERO { face() } else { normal };
+        }
+        sum.try_normalized().unwrap_or_else(face)
+    }
+
+    /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
+    pub fn closest_hit(&self, ray: &PreparedRay, t_max: Real) -> Option<MeshHit> {
+        let mut closest: Option<MeshHit> = None;
+        let limit = t_max;
+        let mut t_max = t_max;
+        let mut test = |triangle: u32| {
+            if let Some(hit) = triangle_hit(ray, self.corners(triangle)) {
+                let tie = closest.is_some_and(|closest| hit.t == t_max && triangle < closest.triangle);
+                if hit.t < t_max || tie {
+                    t_max = hit.t;
+                    closest = Some(MeshHit { triangle, hit });
+                }
+            }
+            t_max
+        };
+        match &self.bvh {
+            None => self.indices().for_each(|triangle| {
+                test(triangle);
+            }),
+            Some(bvh) => bvh.visit(ray, limit, test),
+        }
+        closest
+    }
+
+    /// Whether anything is hit at a t up to and including `t_max`.
+    pub fn any_hit(&self, ray: &PreparedRay, t_max: Real) -> bool {
+        let is_hit = |triangle: u32| triangle_hit(ray, self.corners(triangle)).is_some_and(|hit| hit.t <= t_max);
+        match &self.bvh {
+            None => self.indices().any(is_hit),
+            Some(bvh) => bvh.visit_any(ray, t_max, is_hit),
+        }
+    }
+}
+
+fn to_vector(position: [f32; 3]) -> Vector3 {
+    Vector3::from(position.map(Real::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objects::{Ray, T_MAX};
+
+    /// A roof: two faces that share an edge along z, one steep, one flat and ten times as large.
+    fn roof() -> Mesh {
+        let positions =
+            vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [10.0, 0.0, 0.0], [0.0, -1.0, 0.0], [5.0, 5.0, 5.0]];
+        Mesh::new(positions, vec![[0, 1, 2], [0, 3, 1]])
+    }
+
+    #[test]
+    fn faces_count_the_same_whatever_their_area() {
+        let mesh = roof();
+        let half = (0.5 as Real).sqrt();
+        let normal = mesh.normal(0, [1.0, 0.0, 0.0]);
+        assert!((normal - Vector3::new(-half, half, 0.0)).max_abs() < 4.0 * Real::EPSILON, "{normal:?}");
+        assert_eq!(mesh.normal(0, [0.0, 0.0, 1.0]), Vector3::new(0.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn where_normals_cancel_the_face_speaks() {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 1]]);
+        assert_eq!(mesh.normal(0, [0.2, 0.3, 0.5]), Vector3::new(0.0, 0.0, 1.0));
+        assert_eq!(mesh.normal(1, [0.2, 0.3, 0.5]), Vector3::new(0.0, 0.0, -1.0));
+    }
+
+    #[test]
+    fn of_two_equal_triangles_the_first_is_hit() {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(positions, vec![[0, 1, 2]; 40]);
+        assert!(mesh.has_tree());
+        let origin = Vector3::new(0.2, 0.2, 3.0);
+        let ray = PreparedRay::new(Ray { origin, direction: Vector3::new(0.0, 0.0, -1.0) });
+        assert_eq!(mesh.closest_hit(&ray, T_MAX).unwrap().triangle, 0);
+        assert!(mesh.any_hit(&ray, 3.0));
+        assert!(!mesh.any_hit(&ray, 2.9));
+    }
+
+    #[test]
+    fn an_empty_mesh_is_never_hit() {
+        let mesh = Mesh::new(Vec::new(), Vec::new());
+        let ray = Ray { origin: Vector3::ZERO, direction: Vector3::new(0.0, 0.0, -1.0) };
+        assert!(mesh.closest_hit(&PreparedRay::new(ray), T_MAX).is_none());
+    }
+}

@@ -1,0 +1,152 @@
+//! What a ray can hit. Each file holds one object's definition of a hit, in [`Real`] and scalar: the truth that every
+//! faster test may only prepare, never replace.
+//!
+//! Everywhere, a ray is `origin + t * direction` with `direction` of any length, and a hit has 0 < t < [`T_MAX`].
+
+mod aabb;
+mod mesh;
+mod plane;
+mod ray;
+mod sphere;
+mod triangle;
+
+pub use aabb::Aabb;
+pub use mesh::{Mesh, MeshHit};
+pub use plane::Plane;
+pub use ray::{PreparedRay, Ray, ShearedRay};
+pub use sphere::Sphere;
+pub use triangle::{Triangle, TriangleHit, triangle_hit};
+
+use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, Vector3};
+
+/// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
+pub const T_MAX: Real = f32::MAX as Real;
+
+/// The geometry of an [`Object`].
+#[derive(Clone, Debug)]
+pub enum Shape {
+    Sphere(Sphere),
+    Plane(Plane),
+    Triangle(Triangle),
+    /// Index into the scene's meshes.
+    Mesh(u32),
+}
+
+/// Where an object stands, when it is not simply in world space.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    pub object_from_world: Matrix4,
+    /// Takes normals from object to world space: the transpose of the linear part of `object_from_world`.
+    normal_to_world: Matrix3,
+}
+
+impl Placement {
+    /// # Errors
+    /// [`SingularMatrix`] where `world_from_object` has no inverse.
+    pub fn new(world_from_object: &Matrix4) -> Result<Self, SingularMatrix> {
+        let object_from_world = world_from_object.affine_inverse()?;
+        let normal_to_world = object_from_world.linear().transposed();
+        Ok(Self { object_from_world, normal_to_world })
+    }
+
+    /// The ray in object space. Its direction is not normalised, so that t means the same in both spaces.
+    pub fn ray_to_object(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.object_from_world.transform_point(ray.origin),
+            direction: self.object_from_world.transform_direction(ray.direction),
+        }
+    }
+}
+
+/// A surface with a place and a material.
+#[derive(Clone, Debug)]
+pub struct Object {
+    pub shape: Shape,
+    pub placement: Option<Box<Placement>>,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// What encloses the object in world space; `None` for a plane, which nothing encloses.
+    pub bounds: Option<Aabb>,
+}
+
+/// Where a ray meets an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectHit {
+    pub t: Real,
+    /// Index of the triangle, for a mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's corners at the hit, for a mesh.
+    pub barycentric: [Real; 3],
+}
+
+impl ObjectHit {
+    pub fn at(t: Real) -> Self {
+        Self { t, triangle: 0, barycentric: [0.0; 3] }
+    }
+}
+
+impl Object {
+    /// The nearest hit with t < `t_max`.
+    ///
+    /// A hit counts only where the ray meets [`bounds`](Self::bounds), and is never nearer than the place where it
+    /// enters them. That is part of the definition: whoever skips objects by their bounds changes nothing.
+    pub fn closest_hit(&self, meshes: &[Mesh], world: &PreparedRay, t_max: Real) -> Option<ObjectHit> {
+        let near = self.entry(world, t_max)?;
+        let mut hit = self.in_object_space(world, |ray| match &self.shape {
+            Shape::Sphere(sphere) => sphere.hit(&ray.ray).map(ObjectHit::at),
+            Shape::Plane(plane) => plane.hit(&ray.ray).map(ObjectHit::at),
+            Shape::Triangle(triangle) => triangle.hit(ray).map(ObjectHit::at),
+            Shape::Mesh(mesh) => meshes[*mesh as usize].closest_hit(ray, t_max).map(|found| ObjectHit {
+                t: found.hit.t,
+                triangle: found.triangle,
+                barycentric: found.hit.barycentric,
+            }),
+        })?;
+        hit.t = hit.t.max(near);
+        (hit.t < t_max).then_some(hit)
+    }
+
+    /// Whether anything is hit at a t up to and including `t_max`: the same answer as [`closest_hit`](Self::closest_hit)
+    /// gives, sooner.
+    pub fn any_hit(&self, meshes: &[Mesh], world: &PreparedRay, t_max: Real) -> bool {
+        if self.entry(world, t_max).is_none() {
+            return false;
+        }
+        self.in_object_space(world, |ray| match &self.shape {
+            Shape::Sphere(sphere) => sphere.hit(&ray.ray).is_some_and(|t| t <= t_max),
+            Shape::Plane(plane) => plane.hit(&ray.ray).is_some_and(|t| t <= t_max),
+            Shape::Triangle(triangle) => triangle.hit(ray).is_some_and(|t| t <= t_max),
+            Shape::Mesh(mesh) => meshes[*mesh as usize].any_hit(ray, t_max),
+        })
+    }
+
+    fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
+        match &self.bounds {
+            Some(bounds) => bounds.entry(world, 0.0, t_max),
+            None => Some(0.0),
+        }
+    }
+
+    fn in_object_space<T>(&self, world: &PreparedRay, f: impl FnOnce(&PreparedRay) -> T) -> T {
+        match &self.placement {
+            None => f(world),
+            Some(placement) => f(&PreparedRay::new(placement.ray_to_object(&world.ray))),
+        }
+    }
+
+    /// The unit normal at a hit, or what the file gave as the normal of a plane that stands in no transform.
+    pub fn normal(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> Vector3 {
+        let in_object_space = |ray: &Ray| match &self.shape {
+            Shape::Sphere(sphere) => sphere.normal(ray.at(hit.t)),
+            Shape::Plane(plane) => plane.normal,
+            Shape::Triangle(triangle) => triangle.normal,
+            Shape::Mesh(mesh) => meshes[*mesh as usize].normal(hit.triangle, hit.barycentric),
+        };
+        match &self.placement {
+            None => in_object_space(ray),
+            Some(placement) => {
+                (placement.normal_to_world * in_object_space(&placement.ray_to_object(ray))).normalized()
+            }
+        }
+    }
+}

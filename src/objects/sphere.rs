@@ -1,0 +1,96 @@
+//! [`Sphere`].
+
+use super::{Aabb, Ray};
+use vecmath::{Real, Vector3};
+
+/// The points at distance `radius` from `center`.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    pub center: Vector3,
+    /// Above zero.
+    pub radius: Real,
+}
+
+impl Sphere {
+    /// The nearest root t > 0 of |origin + t direction - center|^2 = radius^2.
+    ///
+    /// The discriminant comes from the ray's nearest point to the centre and the roots from their product, neither of
+    /// which cancels digits when the sphere is small or far (Haines, Guenther, Akenine-Moeller: Precision Improvements
+    /// for Ray/Sphere Intersection, Ray Tracing Gems 2019, chapter 7).
+    pub fn hit(&self, ray: &Ray) -> Option<Real> {
+        let f = ray.origin - self.center;
+        let a = ray.direction.length_squared();
+        let b = -f.dot(ray.direction);
+        let nearest = f + ray.direction * (b / a);
+        let discriminant = self.radius * self.radius - nearest.length_squared();
+        // Written so that NaN is a miss.
+        if !(discriminant >= 0.0) {
+            return None;
+        }
+        let q = b + (a * discriminant).sqrt().copysign(b);
+        let c = f.length_squared() - self.radius * self.radius;
+        let (t0, t1) = (c / q, q / a);
+        let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
+        if near > 0.0 {
+            Some(near)
+        } else if far > 0.0 {
+            Some(far)
+        } else {
+            None
+        }
+    }
+
+    /// The outward unit normal at a point of the sphere.
+    pub fn normal(&self, point: Vector3) -> Vector3 {
+        (point - self.center).normalized()
+    }
+
+    pub fn bounds(&self) -> Aabb {
+        Aabb { min: self.center, max: self.center }.grown(self.radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: Sphere = Sphere { center: Vector3::ZERO, radius: 1.0 };
+
+    fn ray(origin: [Real; 3], direction: [Real; 3]) -> Ray {
+        Ray { origin: origin.into(), direction: direction.into() }
+    }
+
+    #[test]
+    fn from_outside_the_near_root() {
+        assert_eq!(UNIT.hit(&ray([0.0, 0.0, 5.0], [0.0, 0.0, -1.0])), Some(4.0));
+        assert_eq!(UNIT.hit(&ray([0.0, 0.0, 5.0], [0.0, 0.0, -2.0])), Some(2.0));
+    }
+
+    #[test]
+    fn from_inside_the_far_root() {
+        assert_eq!(UNIT.hit(&ray([0.0, 0.0, 0.0], [0.0, 0.5, 0.0])), Some(2.0));
+        assert_eq!(UNIT.hit(&ray([0.0, 0.0, 1.0], [0.0, 0.0, -1.0])), Some(2.0));
+    }
+
+    #[test]
+    fn behind_or_beside_is_missed() {
+        assert_eq!(UNIT.hit(&ray([0.0, 0.0, 5.0], [0.0, 0.0, 1.0])), None);
+        assert_eq!(UNIT.hit(&ray([0.0, 1.5, 5.0], [0.0, 0.0, -1.0])), None);
+    }
+
+    #[test]
+    fn a_tangent_touches_once() {
+        assert_eq!(UNIT.hit(&ray([0.0, 1.0, 5.0], [0.0, 0.0, -1.0])), Some(5.0));
+    }
+
+    #[test]
+    fn nan_is_missed() {
+        assert_eq!(UNIT.hit(&ray([Real::NAN, 0.0, 5.0], [0.0, 0.0, -1.0])), None);
+    }
+
+    #[test]
+    fn normals_point_outward() {
+        let sphere = Sphere { center: Vector3::new(1.0, 2.0, 3.0), radius: 2.0 };
+        assert_eq!(sphere.normal(Vector3::new(1.0, 4.0, 3.0)), Vector3::new(0.0, 1.0, 0.0));
+    }
+}

@@ -1,0 +1,8 @@
+//! [`Scene`](crate::scene::Scene) in, [`Film`](crate::film::Film) out. Begin reading at [`trace`].
+
+mod sampling;
+mod tiles;
+pub mod trace;
+
+pub use sampling::jitter_offset;
+pub use tiles::{Progress, render};

@@ -1,0 +1,31 @@
+//! What the work amounted to, carried beside the pictures.
+
+use std::fmt;
+use std::ops::AddAssign;
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    pub camera: u64,
+    pub shadow: u64,
+    pub mirror: u64,
+    /// Shadow rays that were not traced because their light adds nothing, blocked or not.
+    pub shadow_left_out: u64,
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.mirror += other.mirror;
+        self.shadow_left_out += other.shadow_left_out;
+    }
+}
+
+impl fmt::Display for RayCounts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "camera rays: {}", self.camera)?;
+        writeln!(f, "shadow rays: {}, left out: {}", self.shadow, self.shadow_left_out)?;
+        writeln!(f, "mirror rays: {}", self.mirror)
+    }
+}
