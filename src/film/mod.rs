@@ -43,28 +43,27 @@ impl Pixel {
     }
 }
 
-/// The weighted mean of pixels; the weights sum to 1.
-fn weighted(pixels: &[Pixel], weight: impl Fn(usize) -> Real) -> Pixel {
-    let mut mean = Pixel::default();
-    for (i, pixel) in pixels.iter().enumerate() {
-        let weight = weight(i);
-        mean.color += pixel.color * weight;
-        mean.depth += pixel.depth * weight;
-        mean.normal += pixel.normal * weight;
+impl Pixel {
+    fn add(&mut self, other: &Self, weight: Real) {
+        self.color += other.color * weight;
+        self.depth += other.depth * weight;
+        self.normal += other.normal * weight;
     }
+}
+
+/// The mean of `count` pixels.
+pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
+    let mut mean = Pixel::default();
+    pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
     mean
 }
 
-/// The mean of pixels.
-pub fn average(pixels: &[Pixel]) -> Pixel {
-    let share = 1.0 / pixels.len() as Real;
-    weighted(pixels, |_| share)
-}
-
-/// A 3 x 3 block, weighted (1 2 1; 2 4 2; 1 2 1)/16.
-pub fn tent_average(block: &[Pixel; 9]) -> Pixel {
+/// A 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
+pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
-    weighted(block, |i| WEIGHTS[i] / 16.0)
+    let mut mean = Pixel::default();
+    block.zip(WEIGHTS).for_each(|(pixel, weight)| mean.add(&pixel, weight / 16.0));
+    mean
 }
 
 /// The bytes of the pictures that are asked for, rows from the top.
@@ -166,9 +165,9 @@ mod tests {
     fn the_filter_weighs_the_middle_most() {
         let mut block = [Pixel::default(); 9];
         block[4].color = Vector3::splat(1.0);
-        assert_eq!(tent_average(&block).color, Vector3::splat(0.25));
+        assert_eq!(filtered(block.into_iter()).color, Vector3::splat(0.25));
         let flat = [Pixel { depth: 0.5, ..Pixel::default() }; 9];
-        assert_eq!(tent_average(&flat).depth, 0.5);
+        assert_eq!(filtered(flat.into_iter()).depth, 0.5);
     }
 
     #[test]

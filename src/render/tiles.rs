@@ -1,10 +1,11 @@
 //! All pixels of a picture, tile by tile, over all threads.
 
 use super::sampling::{JITTER_SAMPLES, jitter_offset};
-use super::trace::Tracer;
+use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
 use crate::camera::PixelGrid;
-use crate::film::{Film, Pixel, average, tent_average};
+use crate::film::{Film, Pixel, average, filtered};
+use crate::objects::Ray;
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
@@ -65,7 +66,13 @@ struct Sampler<'a> {
     /// The grid that is traced: three times as fine with `-filter`.
     grid: PixelGrid,
     depth_range: (Real, Real),
+    /// Rays on their way and what they saw, kept to spare allocations.
+    rays: Vec<Ray>,
+    seen: Vec<Seen>,
 }
+
+/// Rays that are traced together: few enough for the processor's nearest cache, many enough to share work.
+const RAYS_AT_ONCE: usize = 256;
 
 impl<'a> Sampler<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {
@@ -77,45 +84,64 @@ impl<'a> Sampler<'a> {
             args,
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
             depth_range: depth.map_or((0.0, 1.0), |depth| (depth.min as Real, depth.max as Real)),
+            rays: Vec::new(),
+            seen: Vec::new(),
         }
     }
 
     fn tile(&mut self, tile: &Tile) -> Vec<Pixel> {
+        let columns = tile.x..tile.x + tile.width;
         let rows = tile.row..tile.row + tile.height;
-        let columns = || tile.x..tile.x + tile.width;
-        let places = rows.flat_map(|row| columns().map(move |x| (x, row)));
-        places.map(|(x, row)| self.pixel(x, row)).collect()
+        let places: Vec<_> = rows.flat_map(|row| columns.clone().map(move |x| (x, row))).collect();
+        let rays_a_pixel = self.grid_pixels_a_pixel() * self.samples_a_grid_pixel() as usize;
+        let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
+        places.chunks(pixels_at_once).flat_map(|places| self.pixels(places)).collect()
     }
 
-    /// A pixel of the picture: with `-filter`, nine pixels of the finer grid.
-    fn pixel(&mut self, x: u32, row: u32) -> Pixel {
-        if !self.args.filter {
-            return self.grid_pixel(x, row);
-        }
-        let mut block = [Pixel::default(); 9];
-        for (place, pixel) in (0..).zip(&mut block) {
-            *pixel = self.grid_pixel(3 * x + place % 3, 3 * row + place / 3);
-        }
-        tent_average(&block)
+    fn grid_pixels_a_pixel(&self) -> usize {
+        if self.args.filter { 9 } else { 1 }
     }
 
-    /// A pixel of the traced grid: with `-jitter`, the mean of its samples.
-    fn grid_pixel(&mut self, x: u32, row: u32) -> Pixel {
-        if !self.args.jitter {
-            let pixel = self.sample(x, row, 0.0, 0.0);
-            return if self.args.filter { pixel.sanitized() } else { pixel };
-        }
-        let mut samples = [Pixel::default(); JITTER_SAMPLES as usize];
-        for (number, sample) in (0..).zip(&mut samples) {
-            let (offset_x, offset_y) = jitter_offset(x, row, number, self.args.seed);
-            *sample = self.sample(x, row, offset_x, offset_y).sanitized();
-        }
-        average(&samples)
+    fn samples_a_grid_pixel(&self) -> u32 {
+        if self.args.jitter { JITTER_SAMPLES } else { 1 }
     }
 
-    fn sample(&mut self, x: u32, row: u32, offset_x: Real, offset_y: Real) -> Pixel {
-        let (ndc_x, ndc_y) = self.grid.ndc(x, row, offset_x, offset_y);
-        let seen = self.tracer.see(&self.scene.camera.ray(ndc_x, ndc_y));
-        Pixel::of(&seen, self.depth_range)
+    /// Some pixels of the picture.
+    fn pixels(&mut self, places: &[(u32, u32)]) -> Vec<Pixel> {
+        self.rays.clear();
+        for &(x, row) in places {
+            if self.args.filter {
+                (0..9).for_each(|place| self.add_rays(3 * x + place % 3, 3 * row + place / 3));
+            } else {
+                self.add_rays(x, row);
+            }
+        }
+        self.tracer.see(&self.rays, &mut self.seen);
+        let rays_a_pixel = self.seen.len() / places.len();
+        self.seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)).collect()
+    }
+
+    /// Adds the rays of a pixel of the traced grid.
+    fn add_rays(&mut self, x: u32, row: u32) {
+        for sample in 0..self.samples_a_grid_pixel() {
+            let (offset_x, offset_y) =
+                if self.args.jitter { jitter_offset(x, row, sample, self.args.seed) } else { (0.0, 0.0) };
+            let (ndc_x, ndc_y) = self.grid.ndc(x, row, offset_x, offset_y);
+            self.rays.push(self.scene.camera.ray(ndc_x, ndc_y));
+        }
+    }
+
+    /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
+    /// of the traced grid, with `-filter` the filtered block of those.
+    fn resolved(&self, seen: &[Seen]) -> Pixel {
+        let displayed = |seen: &Seen| Pixel::of(seen, self.depth_range);
+        if let ([seen], false) = (seen, self.args.jitter) {
+            return displayed(seen);
+        }
+        let mut grid_pixels = seen.chunks(self.samples_a_grid_pixel() as usize).map(|samples| {
+            let samples = samples.iter().map(|seen| displayed(seen).sanitized());
+            average(samples, self.samples_a_grid_pixel())
+        });
+        if self.args.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
     }
 }

@@ -36,10 +36,19 @@ impl<'a> Tracer<'a> {
         Self { scene, plan, counts: RayCounts::default() }
     }
 
-    /// What a ray from the camera sees.
-    pub fn see(&mut self, ray: &Ray) -> Seen {
-        self.counts.camera += 1;
-        let hit = self.closest_hit(ray);
+    /// What rays from the camera see, one entry of `seen` for each. Rays that lie side by side are best asked about
+    /// together.
+    pub fn see(&mut self, rays: &[Ray], seen: &mut Vec<Seen>) {
+        self.counts.camera += rays.len() as u64;
+        seen.clear();
+        for ray in rays {
+            let hit = self.closest_hit(ray);
+            seen.push(self.seen(ray, hit));
+        }
+    }
+
+    /// What a camera ray sees whose nearest hit is known.
+    fn seen(&mut self, ray: &Ray, hit: Option<Hit>) -> Seen {
         let mut seen = Seen { depth: hit.map(|hit| hit.at.t), ..Seen::default() };
         if let Some(hit) = hit.filter(|_| self.plan.normals) {
             seen.normal = self.normal(ray, &hit);
