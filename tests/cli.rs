@@ -1,0 +1,183 @@
+//! The command line as a user meets it.
+
+mod support;
+
+use std::process::Command;
+use support::{Folder, LIGHT, SCENE, TRIANGLE, middle};
+
+#[test]
+fn no_arguments_print_the_usage_and_exit_with_1() {
+    let run = Folder::new().a2("");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stdout.contains("Usage: a2 -input"), "{}", run.stdout);
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn help_and_version_end_well() {
+    let folder = Folder::new();
+    for help in ["-help", "--help"] {
+        let run = folder.a2(help);
+        assert_eq!(run.exit_code, 0);
+        for flag in ["-input", "-depth MIN MAX FILE", "-compare", "-seed"] {
+            assert!(run.stdout.contains(flag), "{flag}");
+        }
+    }
+    assert_eq!(folder.a2("-version").stdout, format!("a2 {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn a_command_line_that_makes_no_sense_exits_with_2() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    for (arguments, part) in [
+        ("-input s.txt", "no picture is asked for"),
+        ("-output o.png", "-input is missing"),
+        ("-input s.txt -output o.png -size 0 4", "from 1 to 65536, found '0'"),
+        ("-input s.txt -output o.png -bounces -2", "-bounces: expected"),
+        ("-input s.txt -output o.bmp", "ends in .png"),
+        ("-input s.txt -output o.png -shadow", "did you mean -shadows"),
+        ("-input s.txt -output", "-output needs 1 value"),
+        ("-input s.txt -depth 1 2", "-depth needs 3 value"),
+    ] {
+        let run = folder.a2(arguments);
+        assert_eq!(run.exit_code, 2, "{arguments}");
+        assert!(run.stderr.starts_with("error: ") && run.stderr.contains(part), "{arguments}: {}", run.stderr);
+        assert_eq!(run.stdout, "");
+    }
+    assert_eq!(folder.files(), ["s.txt"]);
+}
+
+#[test]
+fn refusals_exit_with_1_and_leave_no_file() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE).write("bad.txt", "Group {").write("latin.txt", b"Group { \xe9 }");
+    std::fs::create_dir(folder.path("folder.png")).unwrap();
+    std::fs::create_dir(folder.path("folder.txt")).unwrap();
+    for (arguments, part) in [
+        ("-input none.txt -output o.png", "none.txt: cannot read the scene"),
+        ("-input bad.txt -output o.png", "bad.txt:1:8: expected"),
+        ("-input latin.txt -output o.png", "line 1 is not UTF-8"),
+        ("-input folder.txt -output o.png", "this is a folder"),
+        ("-input s.txt -output nowhere/o.png", "the folder 'nowhere' does not exist"),
+        ("-input s.txt -output folder.png", "folder.png: this is a folder"),
+        ("-input s.txt -output o.png -normals nowhere/n.png", "nowhere/n.png"),
+    ] {
+        let run = folder.a2(arguments);
+        assert_eq!(run.exit_code, 1, "{arguments}: {}", run.stderr);
+        assert!(run.stderr.starts_with("error: ") && run.stderr.contains(part), "{arguments}: {}", run.stderr);
+    }
+    assert_eq!(folder.files(), ["bad.txt", "folder.png", "folder.txt", "latin.txt", "s.txt"]);
+}
+
+#[test]
+fn all_three_pictures_come_from_one_run() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let run = folder.a2("-input s.txt -output c.png -normals n.png -depth 9 11 d.png -size 9 5");
+    assert_eq!((run.exit_code, run.stdout.as_str(), run.stderr.as_str()), (0, "", ""));
+    assert_eq!(folder.files(), ["c.png", "d.png", "n.png", "s.txt"]);
+    // The triangle fills the middle at distance 10: half of the way from 9 to 11.
+    assert_eq!(middle(&folder.picture("c.png")), [255, 255, 255]);
+    assert_eq!(middle(&folder.picture("n.png")), [127, 127, 255]);
+    assert_eq!(middle(&folder.picture("d.png")), [127, 127, 127]);
+    // Nothing stands in the corners.
+    assert_eq!(folder.picture("c.png").get_pixel(0, 0).0, [0, 0, 0]);
+    assert_eq!(folder.picture("n.png").get_pixel(0, 0).0, [127, 127, 127]);
+    assert_eq!(folder.picture("d.png").get_pixel(0, 0).0, [0, 0, 0]);
+}
+
+#[test]
+fn an_existing_picture_is_replaced_whole_or_not_at_all() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE).write("bad.txt", "Nonsense").write("o.png", "precious");
+    assert_eq!(folder.a2("-input bad.txt -output o.png").exit_code, 1);
+    assert_eq!(std::fs::read(folder.path("o.png")).unwrap(), b"precious");
+    assert_eq!(folder.a2("-input s.txt -output o.png").exit_code, 0);
+    assert_eq!(folder.picture("o.png").dimensions(), (100, 100));
+}
+
+/// A limit on the size of files stands for a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_and_leaves_no_file() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE.replace(TRIANGLE, "Sphere { center 0 0 0 radius 9 }"));
+    let command = format!(
+        "trap '' XFSZ; ulimit -f 1; exec '{}' -input s.txt -output o.png -size 900 900",
+        env!("CARGO_BIN_EXE_a2")
+    );
+    let run = folder.run(Command::new("bash").args(["-c", &command]));
+    assert_eq!(run.exit_code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("o.png: cannot write the picture"), "{}", run.stderr);
+    assert_eq!(folder.files(), ["s.txt"]);
+}
+
+#[test]
+fn warnings_go_to_stderr_and_quiet_silences_them() {
+    let folder = Folder::new();
+    folder.write("dark.txt", SCENE.replace("numLights 1", "numLights 0").replace(LIGHT, ""));
+    let run = folder.a2("-input dark.txt -output o.png");
+    assert!(run.stderr.contains("no lights: ambient light becomes 1 1 1"), "{}", run.stderr);
+    assert_eq!(middle(&folder.picture("o.png")), [255, 255, 255]);
+    assert_eq!(folder.a2("-input dark.txt -output o.png -quiet").stderr, "");
+
+    let point = "PointLight { position 0 0 5 color 1 1 1 }";
+    folder.write("infinite.txt", SCENE.replace(LIGHT, point));
+    let run = folder.a2("-input infinite.txt -output o.png");
+    assert!(run.stderr.contains("infinite.txt:2:22: this PointLight has no falloff"), "{}", run.stderr);
+}
+
+#[test]
+fn compare_measures_and_decides() {
+    let folder = Folder::new();
+    let flat = |grey: u8| image::RgbImage::from_pixel(100, 100, image::Rgb([grey; 3]));
+    flat(100).save(folder.path("a.png")).unwrap();
+    flat(101).save(folder.path("b.png")).unwrap();
+    flat(103).save(folder.path("c.png")).unwrap();
+    image::RgbImage::new(3, 3).save(folder.path("small.png")).unwrap();
+    folder.write("no.png", "no picture");
+    for (arguments, exit_code, part) in [
+        ("-compare a.png a.png", 0, "PSNR           inf"),
+        ("-compare a.png b.png", 0, "worst channel  1 levels"),
+        ("-compare a.png c.png -diff d.png", 1, "over 1 levels  10000 pixels, 100.0000%"),
+        ("-compare a.png c.png -tolerance 3 0", 0, "RMSE           3.0000"),
+        ("-compare a.png b.png -tolerance 0 50", 1, "different"),
+    ] {
+        let run = folder.a2(arguments);
+        assert_eq!(run.exit_code, exit_code, "{arguments}: {}{}", run.stdout, run.stderr);
+        assert!(run.stdout.contains(part), "{arguments}: {}", run.stdout);
+    }
+    assert_eq!(middle(&folder.picture("d.png")), [48, 48, 48]);
+    for arguments in ["-compare a.png small.png", "-compare a.png none.png", "-compare a.png no.png"] {
+        let run = folder.a2(arguments);
+        assert_eq!(run.exit_code, 2, "{arguments}");
+        assert!(run.stderr.starts_with("error: "), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn paths_are_relative_to_the_scene_and_may_be_any_text() {
+    let folder = Folder::new();
+    let scene = SCENE.replace(TRIANGLE, "TriangleMesh { obj_file modèles/carré.obj }");
+    folder.write("tiefe Ordner/scène.txt", scene);
+    folder.write("tiefe Ordner/modèles/carré.obj", support::SQUARE_OBJ);
+    let run = folder.run(Command::new(env!("CARGO_BIN_EXE_a2")).args([
+        "-input",
+        "tiefe Ordner/scène.txt",
+        "-output",
+        "Bild 1.png",
+    ]));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert_eq!(middle(&folder.picture("Bild 1.png")), [255, 255, 255]);
+}
+
+#[test]
+fn explain_says_what_is_left_out() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let run = folder.a2("-input s.txt -output o.png -bounces 3 -explain");
+    for part in ["left out: shadow rays", "left out: mirror rays: no material", "camera rays: 10000"] {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+}

@@ -1,0 +1,115 @@
+//! A scene pays only for what it needs: what the plan leaves out is really not done.
+
+mod support;
+
+use a2::Rendered;
+use a2::args::{Request, parse};
+use std::ffi::OsString;
+use support::{Folder, SCENE, project};
+
+/// Renders in memory.
+fn rendered(input: &str, arguments: &str) -> Rendered {
+    let argv = format!("-input {input} -size 20 20 -quiet {arguments}");
+    match parse(argv.split_whitespace().map(OsString::from)) {
+        Ok(Request::Render(args)) => a2::render_scene(&args).unwrap(),
+        other => panic!("{argv}: {other:?}"),
+    }
+}
+
+fn own(name: &str) -> String {
+    project("data").join(name).display().to_string()
+}
+
+#[test]
+fn only_the_pictures_that_are_asked_for_are_stored() {
+    let rendered = rendered(&own("scene01_plane.txt"), "-depth 8 18 d.png -shadows -bounces 3");
+    assert!(rendered.film.color.is_none() && rendered.film.normals.is_none());
+    assert_eq!(rendered.film.depth.map(|plane| plane.len()), Some(400));
+    assert_eq!((rendered.counts.camera, rendered.counts.shadow, rendered.counts.mirror), (400, 0, 0));
+}
+
+#[test]
+fn no_ray_is_traced_that_no_flag_asks_for() {
+    let plain = rendered(&own("scene01_plane.txt"), "-output o.png").counts;
+    assert_eq!((plain.camera, plain.shadow, plain.mirror), (400, 0, 0));
+    let shadows = rendered(&own("scene01_plane.txt"), "-output o.png -shadows").counts;
+    assert!(shadows.shadow > 0 && shadows.mirror == 0);
+    // The plane, the red sphere: specular 1 1 1.
+    assert!(rendered(&own("scene01_plane.txt"), "-output o.png -bounces 1").counts.mirror > 0);
+    assert_eq!(rendered(&own("scene04_axes.txt"), "-output o.png -bounces 9").counts.mirror, 0);
+}
+
+#[test]
+fn a_light_that_adds_nothing_gets_no_shadow_ray() {
+    // Seen from the front and lit from behind, without highlight.
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE.replace("direction 0 0 -1 color 1 1 1", "direction 0 0 1 color 1 1 1"));
+    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").counts;
+    assert!(counts.shadow == 0 && counts.shadow_left_out > 0, "{counts:?}");
+    // A light without colour is no light at all.
+    folder.write("s.txt", SCENE.replace("color 1 1 1", "color 0 0 0"));
+    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").counts;
+    assert_eq!((counts.shadow, counts.shadow_left_out), (0, 0));
+}
+
+#[test]
+fn a_cube_map_face_is_decoded_only_when_a_ray_reaches_it() {
+    let faces = |arguments: &str| rendered(&own("scene06_bunny_1k.txt"), arguments).decoded_faces;
+    assert_eq!(faces("-normals n.png"), 0);
+    // The eye looks at one side of the cube; mirrors show more.
+    let without_mirrors = faces("-output o.png");
+    assert!((1..6).contains(&without_mirrors), "{without_mirrors}");
+    assert!(faces("-output o.png -bounces 2") > without_mirrors);
+}
+
+#[test]
+fn a_face_that_no_ray_reaches_may_be_broken_inside() {
+    // A picture with a good head and no body: opened, but never decoded.
+    let folder = Folder::new();
+    let face = std::fs::read(project("data/tex/courtyard/front.png")).unwrap();
+    let whole = |name: &str| std::fs::read(project("data/tex/courtyard").join(name)).unwrap();
+    for name in ["left.png", "right.png", "up.png", "down.png", "back.png"] {
+        folder.write(&format!("map/{name}"), whole(name));
+    }
+    folder.write("map/front.png", &face[..200]);
+    let scene = |direction: &str| {
+        format!(
+            "PerspectiveCamera {{ center 0 0 0 direction {direction} up 0 1 0 angle 20 }}
+             Background {{ cubeMap map }} Group {{ numObjects 0 }}"
+        )
+    };
+    folder.write("back.txt", scene("0 0 -1")).write("front.txt", scene("0 0 1"));
+    assert_eq!(folder.a2("-input back.txt -output o.png -size 9 9").exit_code, 0);
+    let run = folder.a2("-input front.txt -output broken.png -size 9 9");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("front.png: cannot read this picture"), "{}", run.stderr);
+    assert!(!folder.path("broken.png").exists());
+}
+
+#[test]
+fn a_mesh_that_is_used_twice_is_stored_once() {
+    let source = a2::scene::parser::parse_file(&project("data/scene04_axes.txt")).unwrap();
+    let argv = ["-input", "x.txt", "-output", "o.png"].map(OsString::from);
+    let Ok(Request::Render(args)) = parse(argv) else { panic!() };
+    let plan = a2::plan::Plan::new(&args, &source);
+    let scene = a2::scene::compile::compile(&source, &plan).unwrap().scene;
+    assert_eq!((scene.objects.len(), scene.meshes.len()), (4, 1));
+}
+
+#[test]
+fn deep_recursion_stops_when_nothing_can_change_any_more() {
+    // Two facing mirrors of specular 0.5 in a scene with a directional light: after some 60 bounces the rest is lost
+    // in the last bit of what is there already.
+    let folder = Folder::new();
+    folder.write(
+        "s.txt",
+        "PerspectiveCamera { center 0 0 1 direction 0 0 -1 up 0 1 0 angle 20 }
+         Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } } Background { ambientLight 0.1 0.1 0.1 }
+         Materials { numMaterials 1 Material { specularColor 0.5 0.5 0.5 shininess 5 } }
+         Group { numObjects 2 MaterialIndex 0
+             Plane { normal 0 0 1 offset 0 } Plane { normal 0 0 -1 offset -2 } }",
+    );
+    let input = folder.path("s.txt").display().to_string();
+    let counts = rendered(&input, "-output o.png -bounces 100000").counts;
+    assert!((40..100).contains(&(counts.mirror / counts.camera)), "{counts:?}");
+}
