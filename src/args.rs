@@ -66,6 +66,8 @@ pub struct CompareArgs {
 
 /// Largest width and height of a picture.
 const MAX_SIDE: u32 = 65_536;
+/// Largest number of pixels: at three bytes each, memory for one such picture is at hand everywhere.
+const MAX_PIXELS: u64 = 1 << 28;
 const MAX_BOUNCES: u32 = 100_000;
 const MAX_THREADS: usize = 1024;
 
@@ -282,6 +284,10 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         quiet: typed.has("quiet"),
         explain: typed.has("explain"),
     };
+    let pixels = u64::from(args.width) * u64::from(args.height);
+    if pixels > MAX_PIXELS {
+        return Err(usage_error("size", format!("expected at most {MAX_PIXELS} pixels in all, found {pixels}")));
+    }
     let pictures = [args.color.as_ref(), args.depth.as_ref().map(|depth| &depth.path), args.normals.as_ref()];
     let pictures: Vec<_> = pictures.into_iter().flatten().collect();
     if pictures.is_empty() {
@@ -377,6 +383,7 @@ mod tests {
             ("-input s.txt -output o.jpg", &["-output", ".png", "o.jpg"]),
             ("-input s.obj -output o.png", &["-input", ".txt", "s.obj"]),
             ("-input s.txt -output o.png -size 0 5", &["-size", "'0'", "from 1 to 65536"]),
+            ("-input s.txt -output o.png -size 65536 65536", &["-size", "at most 268435456 pixels"]),
             ("-input s.txt -output o.png -size 5", &["-size", "W H"]),
             ("-input s.txt -output o.png -size 5 -shadows", &["-size", "W H"]),
             ("-input s.txt -output o.png -bounces -1", &["-bounces", "'-1'"]),

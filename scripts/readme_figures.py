@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""Measures the table of figures in README.md and writes it between the two marks there.
+
+Usage: scripts/readme_figures.py STARTER_FOLDER [--runs N]
+
+STARTER_FOLDER is the course's starter: its seven scenes are rendered at 800 x 800, compared with its pictures, and timed
+as whole processes (medians of N runs). Builds the program first. Where Tachyon and POV-Ray are installed, the ratios of
+the newest record in benches/record/ are quoted; benches/peers/run.py --record makes one.
+"""
+
+import argparse
+import os
+import platform
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parent.parent
+BATCH = [
+    ("01", "scene01_plane", "five spheres and a plane", ["8", "18"], []),
+    ("02", "scene02_cube", "a cube", ["8", "18"], []),
+    ("03", "scene03_sphere", "a squashed sphere", ["8", "18"], []),
+    ("04", "scene04_axes", "nested transforms", ["8", "18"], []),
+    ("05", "scene05_bunny_200", "a bunny of 200 triangles", ["0.8", "1.0"], []),
+    ("06", "scene06_bunny_1k", "a mirror bunny of 1,000, cube map", ["8", "18"], ["-bounces", "4"]),
+    ("07", "scene07_arch", "an arch on a mirror, shadows", ["8", "18"], ["-bounces", "4", "-shadows"]),
+]
+BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
+
+
+def differing(a2, picture, reference):
+    """Percent of pixels that differ at all, and the number that differ by more than eight levels."""
+    command = [a2, "-compare", picture, reference, "-tolerance", "255", "100"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    percent = float(re.search(r"over 0 levels\s+\d+ pixels, ([\d.]+)%", text)[1])
+    return percent, int(re.search(r"over 8 levels\s+(\d+) pixels", text)[1])
+
+
+def measure(a2, starter, work, runs):
+    """A row of the table for each scene."""
+    for number, scene, what, depth, flags in BATCH:
+        names = [f"a{number}{kind}.png" for kind in ("", "n", "d")]
+        color, normals, depths = (str(work / name) for name in names)
+        command = [a2, "-input", str(starter / "data" / f"{scene}.txt"), "-size", "800", "800", "-output", color]
+        command += ["-normals", normals, "-depth", *depth, depths, *flags]
+        seconds = []
+        for _ in range(runs):
+            start = time.perf_counter()
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            seconds.append(time.perf_counter() - start)
+        off = [differing(a2, str(work / name), str(starter / "sample_out" / name)) for name in names]
+        percent, far = max(value[0] for value in off), max(value[1] for value in off)
+        milliseconds = 1000 * statistics.median(seconds)
+        yield f"| {number} | {what} | {percent:.3f}% | {far} | {milliseconds:.0f} ms |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("starter", type=Path)
+    parser.add_argument("--runs", type=int, default=7)
+    arguments = parser.parse_args()
+    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=PROJECT, check=True)
+    target = Path(os.environ.get("CARGO_TARGET_DIR", PROJECT / "target"))
+    a2 = str(target / "release" / "a2")
+    with tempfile.TemporaryDirectory() as work:
+        rows = list(measure(a2, arguments.starter, Path(work), arguments.runs))
+    table = [
+        BEGIN,
+        "| scene | shows | pixels that differ from the course's | by more than 8 levels | three pictures in |",
+        "|---|---|---|---|---|",
+        *rows,
+        "",
+        f"(The worst of colour, normal and depth picture, of 640,000 pixels each. Whole processes, medians of "
+        f"{arguments.runs} runs, {os.cpu_count()} threads, {platform.machine()}.)",
+        END,
+    ]
+    readme = PROJECT / "README.md"
+    text = readme.read_text()
+    start, end = text.index(BEGIN), text.index(END) + len(END)
+    readme.write_text(text[:start] + "\n".join(table) + text[end:])
+    print("\n".join(table[1:-1]))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
