@@ -2,7 +2,10 @@
 
 use super::triangle::face_normal;
 use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
-use crate::accel::Bvh;
+use crate::accel::TriangleTree;
+use crate::accel::simd::Level;
+use crate::accel::beam::{BEAM_RAYS, numbers_in};
+use std::array::from_fn;
 use vecmath::{Real, Vector3};
 
 /// Triangles that share corners by index.
@@ -15,7 +18,7 @@ pub struct Mesh {
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
     /// `None` for so few triangles that a loop is faster.
-    bvh: Option<Bvh>,
+    tree: Option<TriangleTree>,
 }
 
 /// Where a ray meets a mesh.
@@ -34,14 +37,13 @@ impl Mesh {
         let mut mesh = Self {
             bounds: Aabb::of_points(positions.iter().map(|&p| to_vector(p))),
             vertex_normals: Vec::new(),
-            bvh: None,
+            tree: None,
             positions,
             triangles,
         };
         mesh.vertex_normals = mesh.smooth_normals();
         if mesh.triangles.len() > LOOP_TRIANGLES {
-            let boxes: Vec<Aabb> = mesh.indices().map(|i| Aabb::of_points(mesh.corners(i))).collect();
-            mesh.bvh = Some(Bvh::build(&boxes));
+            mesh.tree = Some(TriangleTree::build(mesh.triangles.len(), &mesh.bounds, |i| mesh.corners(i)));
         }
         mesh
     }
@@ -64,7 +66,26 @@ impl Mesh {
     }
 
     pub fn has_tree(&self) -> bool {
-        self.bvh.is_some()
+        self.tree.is_some()
+    }
+
+    pub fn tree(&self) -> Option<&TriangleTree> {
+        self.tree.as_ref()
+    }
+
+    /// Culls at this processor level from now on.
+    pub fn set_level(&mut self, level: Level) {
+        if let Some(tree) = &mut self.tree {
+            tree.set_level(level);
+        }
+    }
+
+    /// Bytes on the heap: the mesh, and its tree.
+    pub fn bytes(&self) -> (usize, usize) {
+        let mesh = size_of_val(self.positions.as_slice())
+            + size_of_val(self.triangles.as_slice())
+            + size_of_val(self.vertex_normals.as_slice());
+        (mesh, self.tree.as_ref().map_or(0, TriangleTree::bytes))
     }
 
     pub fn bounds(&self) -> &Aabb {
@@ -93,35 +114,88 @@ impl Mesh {
 
     /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
     pub fn closest_hit(&self, ray: &PreparedRay, t_max: Real) -> Option<MeshHit> {
-        let mut closest: Option<MeshHit> = None;
-        let limit = t_max;
-        let mut t_max = t_max;
-        let mut test = |triangle: u32| {
-            if let Some(hit) = triangle_hit(ray, self.corners(triangle)) {
-                let tie = closest.is_some_and(|closest| hit.t == t_max && triangle < closest.triangle);
-                if hit.t < t_max || tie {
-                    t_max = hit.t;
-                    closest = Some(MeshHit { triangle, hit });
-                }
-            }
-            t_max
-        };
-        match &self.bvh {
+        let mut search = MeshSearch { t_max, closest: None };
+        match &self.tree {
             None => self.indices().for_each(|triangle| {
-                test(triangle);
+                search.ask(self, ray, triangle);
             }),
-            Some(bvh) => bvh.visit(ray, limit, test),
+            Some(tree) => tree.candidates(ray, t_max, |triangle| search.ask(self, ray, triangle)),
         }
-        closest
+        search.closest
     }
 
     /// Whether anything is hit at a t up to and including `t_max`.
     pub fn any_hit(&self, ray: &PreparedRay, t_max: Real) -> bool {
         let is_hit = |triangle: u32| triangle_hit(ray, self.corners(triangle)).is_some_and(|hit| hit.t <= t_max);
-        match &self.bvh {
-            None => self.indices().any(is_hit),
-            Some(bvh) => bvh.visit_any(ray, t_max, is_hit),
+        let Some(tree) = &self.tree else {
+            return self.indices().any(is_hit);
+        };
+        let mut found = false;
+        tree.candidates(ray, t_max, |triangle| {
+            found |= is_hit(triangle);
+            if found { Real::NEG_INFINITY } else { t_max }
+        });
+        found
+    }
+
+    /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`. Each search says how far its
+    /// ray looks, and takes what it finds.
+    pub fn closest_hits(&self, rays: &[PreparedRay], mask: u64, searches: &mut [MeshSearch]) {
+        match &self.tree {
+            None => {
+                for number in numbers_in(mask) {
+                    self.indices().for_each(|triangle| {
+                        searches[number].ask(self, &rays[number], triangle);
+                    });
+                }
+            }
+            Some(tree) => {
+                let t_max: [Real; BEAM_RAYS] = from_fn(|number| searches.get(number).map_or(0.0, |s| s.t_max));
+                let decide = |number: usize, triangle| searches[number].ask(self, &rays[number], triangle);
+                tree.candidates_of_many(rays, mask, |number| t_max[number], decide);
+            }
         }
+    }
+
+    /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`; as a mask.
+    pub fn any_hits(&self, rays: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
+        let mut found = 0;
+        let mut is_hit = |number: usize, triangle: u32| {
+            let hit = triangle_hit(&rays[number], self.corners(triangle)).is_some_and(|hit| hit.t <= t_max[number]);
+            found |= u64::from(hit) << number;
+            if hit { Real::NEG_INFINITY } else { t_max[number] }
+        };
+        match &self.tree {
+            None => {
+                for number in numbers_in(mask) {
+                    let _ = self.indices().any(|triangle| is_hit(number, triangle) == Real::NEG_INFINITY);
+                }
+            }
+            Some(tree) => tree.candidates_of_many(rays, mask, |number| t_max[number], is_hit),
+        }
+        found
+    }
+}
+
+/// The nearest hit of a ray with a mesh so far.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshSearch {
+    /// Hits count below this t.
+    pub t_max: Real,
+    pub closest: Option<MeshHit>,
+}
+
+impl MeshSearch {
+    /// Asks a triangle, whatever the order and even twice, and returns the new `t_max`.
+    fn ask(&mut self, mesh: &Mesh, ray: &PreparedRay, triangle: u32) -> Real {
+        if let Some(hit) = triangle_hit(ray, mesh.corners(triangle)) {
+            let comes_first = self.closest.is_some_and(|closest| triangle < closest.triangle);
+            if hit.t < self.t_max || (hit.t == self.t_max && comes_first) {
+                self.t_max = hit.t;
+                self.closest = Some(MeshHit { triangle, hit });
+            }
+        }
+        self.t_max
     }
 }
 

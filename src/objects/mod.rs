@@ -11,12 +11,13 @@ mod sphere;
 mod triangle;
 
 pub use aabb::Aabb;
-pub use mesh::{Mesh, MeshHit};
+pub use mesh::{Mesh, MeshHit, MeshSearch};
 pub use plane::Plane;
 pub use ray::{PreparedRay, Ray, ShearedRay};
 pub use sphere::Sphere;
 pub use triangle::{Triangle, TriangleHit, triangle_hit};
 
+use crate::accel::beam::{BEAM_RAYS, numbers_in};
 use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, Vector3};
 
 /// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
@@ -118,6 +119,61 @@ impl Object {
             Shape::Triangle(triangle) => triangle.hit(ray).is_some_and(|t| t <= t_max),
             Shape::Mesh(mesh) => meshes[*mesh as usize].any_hit(ray, t_max),
         })
+    }
+
+    /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`.
+    /// `found` is told about every hit with t below the ray's `t_max`.
+    pub fn closest_mesh_hits(
+        &self,
+        mesh: &Mesh,
+        world: &[PreparedRay],
+        mask: u64,
+        t_max: &[Real; BEAM_RAYS],
+        mut found: impl FnMut(usize, ObjectHit),
+    ) {
+        let mut near = [0.0; BEAM_RAYS];
+        let mut met = 0;
+        for number in numbers_in(mask) {
+            if let Some(entry) = self.entry(&world[number], t_max[number]) {
+                near[number] = entry;
+                met |= 1 << number;
+            }
+        }
+        if met == 0 {
+            return;
+        }
+        let mut searches = t_max.map(|t_max| MeshSearch { t_max, closest: None });
+        self.many_in_object_space(world, met, |rays| mesh.closest_hits(rays, met, &mut searches));
+        for number in numbers_in(met) {
+            let Some(MeshHit { triangle, hit }) = searches[number].closest else { continue };
+            let t = hit.t.max(near[number]);
+            if t < t_max[number] {
+                found(number, ObjectHit { t, triangle, barycentric: hit.barycentric });
+            }
+        }
+    }
+
+    /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`; as a
+    /// mask.
+    pub fn any_mesh_hits(&self, mesh: &Mesh, world: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
+        let is_met = |number: &usize| self.entry(&world[*number], t_max[*number]).is_some();
+        let met = numbers_in(mask).filter(is_met).fold(0, |met, number| met | 1 << number);
+        let mut found = 0;
+        if met != 0 {
+            self.many_in_object_space(world, met, |rays| found = mesh.any_hits(rays, met, t_max));
+        }
+        found
+    }
+
+    fn many_in_object_space(&self, world: &[PreparedRay], mask: u64, f: impl FnOnce(&[PreparedRay])) {
+        let Some(placement) = &self.placement else {
+            return f(world);
+        };
+        let mut rays = world.to_vec();
+        for number in numbers_in(mask) {
+            rays[number] = PreparedRay::new(placement.ray_to_object(&world[number].ray));
+        }
+        f(&rays);
     }
 
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {

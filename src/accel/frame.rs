@@ -1,0 +1,151 @@
+//! [`Frame`]: where culling happens. A tree's items are moved and scaled into the cube from -1 to 1, and every ray is
+//! moved there in `Real` before it is rounded to `f32`, so that all rounding errors have absolute bounds.
+//!
+//! # Why nothing is lost
+//!
+//! Write e = 2^-24 for half the distance of `f32` numbers just below 1 (their relative rounding error). In the frame
+//!
+//! - items lie within 1 of the origin on every axis, and a ray starts where it enters the root box (or, inside it,
+//!   where it starts), so |origin| <= 1 + 2^-16 too; its direction has largest component 1, so that t <= 4 inside;
+//! - moving a ray there in `f64` costs at most 8 * 2^-53 times its distance, of which [`FARTHEST`] allows 2^26: 2^-24;
+//!   the definition of a hit (see [`objects`](crate::objects)) makes errors of the same size, and may thus accept what
+//!   lies 2^-24 beside the exact ray; the rounding of the origin to `f32` adds another e.
+//!
+//! **Boxes.** t of a box's plane is `plane * inverse - origin * inverse`. As an error of the plane's position: e for
+//! the rounded plane, 3e for the origin, e + e for the two products, 2 e |plane - origin| <= 4.1 e for the inverse of a
+//! rounded direction and 2.1 e for the difference: below 13 e. Comparing with a rounded limit of t adds 4 e, because
+//! |direction| <= 1. Directions nearer to an axis plane than 2^-30 are turned away from it so far: 2^-28. All
+//! together less than 18 e < 2^-19; [`BOX_MARGIN`] is twice that.
+//!
+//! **Triangles.** See [`triangles`](super::triangles).
+
+use crate::objects::{Aabb, PreparedRay};
+use vecmath::{Real, Vector3};
+
+/// Boxes grow by this on every side, in the frame.
+pub const BOX_MARGIN: f32 = 1.0 / (1 << 18) as f32;
+/// Rays that start farther away, in the frame, are not culled: `f64` would not carry the bounds above.
+const FARTHEST: Real = (1u32 << 26) as Real;
+/// No hit in the root box has a larger t in the frame.
+const LARGEST_T: f32 = 8.0;
+/// Components of directions are kept this far from zero.
+const SMALLEST_COMPONENT: f32 = 1.0 / (1u32 << 30) as f32;
+/// Scales beyond 2^(+-900) would leave the range of `f64` on the way.
+const LARGEST_EXPONENT: i32 = Real::MAX_EXP - Real::MAX_EXP / 8;
+
+/// A box's planes: three lower, then three upper ones.
+pub type Planes = [f32; 6];
+
+/// The cube from -1 to 1 around a tree's items.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    center: Vector3,
+    scale: Real,
+    /// Around all items, grown by [`BOX_MARGIN`].
+    bounds: Aabb,
+}
+
+/// A ray in the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct CullRay {
+    pub origin: [f32; 3],
+    /// Largest component 1, none zero.
+    pub direction: [f32; 3],
+    pub inverse: [f32; 3],
+    /// t of the ray where the frame's is 0.
+    start: Real,
+    /// The frame's t per t of the ray.
+    rate: Real,
+}
+
+/// How a ray meets a frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Entry {
+    /// Not at all.
+    Missed,
+    Met(CullRay),
+    /// Too far away or too strange to be culled: the items must be asked one by one.
+    Unknown,
+}
+
+impl Frame {
+    /// The frame of items in `bounds`; none for bounds that are empty or not finite.
+    pub fn new(bounds: Aabb) -> Option<Self> {
+        let half = bounds.size().max_abs() / 2.0;
+        let center = bounds.center();
+        if bounds.is_empty() || !center.is_finite() || !bounds.size().is_finite() {
+            return None;
+        }
+        let exponent = if half > 0.0 { half.log2().ceil() as i32 } else { 0 };
+        if exponent.abs() > LARGEST_EXPONENT {
+            return None;
+        }
+        // The logarithm may be rounded down past a power of two.
+        let exponent = exponent + i32::from(half * (2.0 as Real).powi(-exponent) > 1.0);
+        let scale = (2.0 as Real).powi(-exponent);
+        Some(Self { center, scale, bounds: bounds.grown(BOX_MARGIN as Real / scale) })
+    }
+
+    /// A vector's components in the frame.
+    pub fn scaled(&self, vector: Vector3) -> [f32; 3] {
+        (vector * self.scale).to_array().map(|c| c as f32)
+    }
+
+    /// A point in the frame.
+    pub fn point(&self, point: Vector3) -> [f32; 3] {
+        self.scaled(point - self.center)
+    }
+
+    /// A box in the frame, grown by [`BOX_MARGIN`].
+    pub fn planes(&self, bounds: &Aabb) -> Planes {
+        let (min, max) = (self.point(bounds.min), self.point(bounds.max));
+        let [lower, upper] = [min.map(|c| c - BOX_MARGIN), max.map(|c| c + BOX_MARGIN)];
+        [lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]]
+    }
+
+    /// The ray in the frame, if it meets the root box at a t up to `t_max`.
+    #[inline]
+    pub fn enter(&self, ray: &PreparedRay, t_max: Real) -> Entry {
+        let from_center = ray.ray.origin - self.center;
+        let largest = ray.ray.direction.max_abs();
+        let near_enough = from_center.max_abs() * self.scale <= FARTHEST && from_center.is_finite();
+        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.ray.direction.is_finite();
+        if !near_enough || !sane {
+            return Entry::Unknown;
+        }
+        let Some(start) = self.bounds.entry(ray, 0.0, t_max) else {
+            return Entry::Missed;
+        };
+        let origin = (from_center + ray.ray.direction * start) * self.scale;
+        let direction = ray.ray.direction * (1.0 / largest);
+        let direction = direction.to_array().map(|c| {
+            let c = c as f32;
+            if c.abs() >= SMALLEST_COMPONENT { c } else { SMALLEST_COMPONENT.copysign(c) }
+        });
+        Entry::Met(CullRay {
+            origin: origin.to_array().map(|c| c as f32),
+            direction,
+            inverse: direction.map(|c| 1.0 / c),
+            start,
+            rate: largest * self.scale,
+        })
+    }
+}
+
+impl CullRay {
+    /// Stands where no ray is.
+    pub const NONE: Self =
+        Self { origin: [0.0; 3], direction: [1.0; 3], inverse: [1.0; 3], start: 0.0, rate: 1.0 };
+
+    /// The frame's t for the ray's, never too small for the ray to reach an item at that t.
+    #[inline]
+    pub fn limit(&self, t: Real) -> f32 {
+        // The half margin covers the rounding of t, of which the frame's t is at most 4.
+        (((t - self.start) * self.rate) as f32 + 0.5 * BOX_MARGIN).min(LARGEST_T)
+    }
+
+    /// origin * inverse, axis by axis.
+    pub fn origin_times_inverse(&self) -> [f32; 3] {
+        std::array::from_fn(|axis| self.origin[axis] * self.inverse[axis])
+    }
+}

@@ -1,0 +1,309 @@
+//! [`Accelerator`]: from a ray to the object that it hits.
+
+use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
+use super::build::{self, Item};
+use super::frame::{Entry, Frame};
+use super::simd::{Lanes, Level};
+use super::tree::{Child, Tree};
+use super::walk::{DONE, Walk};
+use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, Shape, T_MAX};
+use vecmath::Real;
+
+/// A hit and whose it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index into the scene's objects.
+    pub object: u32,
+    pub at: ObjectHit,
+}
+
+/// Up to so many bounded objects are asked one by one.
+pub const LOOP_OBJECTS: usize = 4;
+
+/// The objects of a scene, sorted for finding hits.
+#[derive(Debug)]
+pub struct Accelerator {
+    /// Objects to be asked for every ray: planes, and everything in a small scene.
+    loose: Vec<u32>,
+    /// The other ones.
+    treed: Option<ObjectTree>,
+    level: Level,
+}
+
+#[derive(Debug)]
+struct ObjectTree {
+    frame: Frame,
+    tree: Tree,
+    /// The object of each leaf.
+    objects: Vec<u32>,
+}
+
+impl Accelerator {
+    pub fn new(objects: &[Object]) -> Self {
+        Self::with_level(objects, Level::detected())
+    }
+
+    /// An accelerator that culls at this processor level.
+    pub fn with_level(objects: &[Object], level: Level) -> Self {
+        let all = || 0..objects.len() as u32;
+        let bounds = |index: &u32| objects[*index as usize].bounds;
+        let bounded: Vec<u32> = all().filter(|index| bounds(index).is_some()).collect();
+        if bounded.len() > LOOP_OBJECTS {
+            let around = bounded.iter().filter_map(bounds).fold(Aabb::EMPTY, |all, one| all.union(&one));
+            let all_finite = bounded.iter().filter_map(bounds).all(|b| b.min.is_finite() && b.max.is_finite());
+            if let Some(frame) = Frame::new(around).filter(|_| all_finite) {
+                let boxes = bounded.iter().filter_map(bounds);
+                let items = boxes.zip(0..).map(|(bounds, number)| Item::new(number, &frame.planes(&bounds)));
+                let built = build::build(items.collect(), 1);
+                let object_of = |&(start, _): &(u32, u32)| bounded[built.numbers[start as usize] as usize];
+                let treed = built.leaves.iter().map(object_of).collect();
+                let treed = Some(ObjectTree { frame, tree: built.tree, objects: treed });
+                return Self { loose: all().filter(|index| bounds(index).is_none()).collect(), treed, level };
+            }
+        }
+        Self { loose: all().collect(), treed: None, level }
+    }
+
+    pub fn has_tree(&self) -> bool {
+        self.treed.is_some()
+    }
+
+    /// The nearest hit with 0 < t < [`T_MAX`]; of several at the same t, the first object's.
+    pub fn closest_hit(&self, objects: &[Object], meshes: &[Mesh], ray: &Ray) -> Option<Hit> {
+        let ray = PreparedRay::new(*ray);
+        let mut search = Search { objects, meshes, closest: None };
+        self.candidates(&ray, T_MAX, |index| search.ask(&ray, index));
+        search.closest
+    }
+
+    /// Whether anything is hit at a t up to and including `t_max`.
+    pub fn any_hit(&self, objects: &[Object], meshes: &[Mesh], ray: &Ray, t_max: Real) -> bool {
+        let ray = PreparedRay::new(*ray);
+        let t_max = t_max.min(T_MAX.next_down());
+        let mut found = false;
+        self.candidates(&ray, t_max, |index| {
+            found = found || objects[index as usize].any_hit(meshes, &ray, t_max);
+            if found { Real::NEG_INFINITY } else { t_max }
+        });
+        found
+    }
+
+    /// Calls `ask` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others. `ask`
+    /// returns the new `t_max`: minus infinity ends the search.
+    fn candidates(&self, ray: &PreparedRay, t_max: Real, mut ask: impl FnMut(u32) -> Real) {
+        let mut t_max = t_max;
+        for &index in &self.loose {
+            t_max = ask(index);
+            if t_max == Real::NEG_INFINITY {
+                return;
+            }
+        }
+        let Some(treed) = &self.treed else { return };
+        match treed.frame.enter(ray, t_max) {
+            Entry::Missed => {}
+            Entry::Unknown => {
+                let _ = treed.objects.iter().any(|&index| ask(index) == Real::NEG_INFINITY);
+            }
+            Entry::Met(cull_ray) => {
+                let visit = |leaf: u32| cull_ray.limit(ask(treed.objects[leaf as usize]));
+                let (tree, limit) = (&treed.tree, cull_ray.limit(t_max));
+                self.level.run(Walk { tree, start: Child::node(0), ray: &cull_ray, limit, visit });
+            }
+        }
+    }
+
+    /// [`closest_hit`](Self::closest_hit) of many rays, best such as lie side by side: `hits` gets an entry for each.
+    pub fn closest_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        for rays in rays.chunks(BEAM_RAYS) {
+            let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(*ray)).collect();
+            let mut searches = vec![Search { objects, meshes, closest: None }; rays.len()];
+            self.candidates_of_many(&mut Closest { rays: &rays, searches: &mut searches }, rays.len());
+            hits.extend(searches.iter().map(|search| search.closest));
+        }
+    }
+
+    /// [`any_hit`](Self::any_hit) of many rays with a `t_max` each: `found` gets an entry for each.
+    pub fn any_hits(
+        &self,
+        objects: &[Object],
+        meshes: &[Mesh],
+        rays: &[(Ray, Real)],
+        found: &mut Vec<bool>,
+    ) {
+        found.clear();
+        for rays in rays.chunks(BEAM_RAYS) {
+            let t_max: Vec<Real> = rays.iter().map(|ray| ray.1.min(T_MAX.next_down())).collect();
+            let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(ray.0)).collect();
+            let mut search = Any { objects, meshes, rays: &rays, t_max: &t_max, found: 0 };
+            self.candidates_of_many(&mut search, rays.len());
+            let bits = search.found;
+            found.extend((0..rays.len()).map(|number| bits >> number & 1 == 1));
+        }
+    }
+
+    fn candidates_of_many(&self, questions: &mut impl Questions, count: usize) {
+        let mut open = u64::MAX >> (BEAM_RAYS - count);
+        for &index in &self.loose {
+            questions.ask(index, open);
+            open = questions.open(open);
+        }
+        let Some(treed) = &self.treed else { return };
+        let (mut beam, met, unknown) = {
+            let questions = &*questions;
+            Beam::new(&treed.frame, questions.rays(), open, |number| questions.t_max(number))
+        };
+        let leaves = ObjectLeaves { objects: &treed.objects, questions };
+        if met != 0 {
+            self.level.run(BeamWalk { tree: &treed.tree, beam: &mut beam, mask: met, leaves });
+        }
+        for &index in &treed.objects {
+            let unknown = questions.open(unknown);
+            if unknown == 0 {
+                break;
+            }
+            questions.ask(index, unknown);
+        }
+    }
+}
+
+/// What many rays want to know.
+trait Questions {
+    fn rays(&self) -> &[PreparedRay];
+    /// The rays of a mask that still want to know.
+    fn open(&self, mask: u64) -> u64;
+    /// How far a ray still looks; minus infinity if no further.
+    fn t_max(&self, number: usize) -> Real;
+    /// Asks an object about the rays of a mask.
+    fn ask(&mut self, index: u32, mask: u64);
+}
+
+struct ObjectLeaves<'a, Q> {
+    objects: &'a [u32],
+    questions: &'a mut Q,
+}
+
+impl<Q: Questions> Leaves for ObjectLeaves<'_, Q> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, _: L, leaf: usize, rays: u64, beam: &mut Beam) {
+        self.questions.ask(self.objects[leaf], rays);
+        for number in numbers_in(rays) {
+            if beam.limit(number) > DONE {
+                beam.set_t_max(number, self.questions.t_max(number));
+            }
+        }
+    }
+}
+
+/// So many rays in one mesh are worth a beam.
+const BEAM_WORTH: u32 = 4;
+
+/// The nearest hits of many rays.
+struct Closest<'a, 'b> {
+    rays: &'a [PreparedRay],
+    searches: &'a mut [Search<'b>],
+}
+
+impl Questions for Closest<'_, '_> {
+    fn rays(&self) -> &[PreparedRay] {
+        self.rays
+    }
+
+    fn open(&self, mask: u64) -> u64 {
+        mask
+    }
+
+    fn t_max(&self, number: usize) -> Real {
+        self.searches[number].t_max()
+    }
+
+    fn ask(&mut self, index: u32, mask: u64) {
+        let Search { objects, meshes, .. } = self.searches[0];
+        let object = &objects[index as usize];
+        match object.shape {
+            Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
+                let limits: [Real; BEAM_RAYS] = std::array::from_fn(|number| match self.searches.get(number) {
+                    Some(search) => search.limit_for(index),
+                    None => 0.0,
+                });
+                let searches = &mut *self.searches;
+                object.closest_mesh_hits(&meshes[mesh as usize], self.rays, mask, &limits, |number, at| {
+                    searches[number].closest = Some(Hit { object: index, at });
+                });
+            }
+            _ => {
+                for number in numbers_in(mask) {
+                    self.searches[number].ask(&self.rays[number], index);
+                }
+            }
+        }
+    }
+}
+
+/// Whether anything is in the way of many rays.
+struct Any<'a> {
+    objects: &'a [Object],
+    meshes: &'a [Mesh],
+    rays: &'a [PreparedRay],
+    t_max: &'a [Real],
+    /// Rays that something is in the way of.
+    found: u64,
+}
+
+impl Questions for Any<'_> {
+    fn rays(&self) -> &[PreparedRay] {
+        self.rays
+    }
+
+    fn open(&self, mask: u64) -> u64 {
+        mask & !self.found
+    }
+
+    fn t_max(&self, number: usize) -> Real {
+        if self.found >> number & 1 == 1 { Real::NEG_INFINITY } else { self.t_max[number] }
+    }
+
+    fn ask(&mut self, index: u32, mask: u64) {
+        let object = &self.objects[index as usize];
+        match object.shape {
+            Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
+                self.found |= object.any_mesh_hits(&self.meshes[mesh as usize], self.rays, mask, self.t_max);
+            }
+            _ => {
+                for number in numbers_in(mask) {
+                    if object.any_hit(self.meshes, &self.rays[number], self.t_max[number]) {
+                        self.found |= 1 << number;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    objects: &'a [Object],
+    meshes: &'a [Mesh],
+    closest: Option<Hit>,
+}
+
+impl Search<'_> {
+    fn t_max(&self) -> Real {
+        self.closest.map_or(T_MAX, |closest| closest.at.t)
+    }
+
+    /// Hits of an object count below this t. Of equals the first object wins, whatever the order of asking.
+    fn limit_for(&self, index: u32) -> Real {
+        let comes_first = self.closest.is_some_and(|closest| index < closest.object);
+        if comes_first { self.t_max().next_up() } else { self.t_max() }
+    }
+
+    /// Asks one object and returns the new limit.
+    fn ask(&mut self, ray: &PreparedRay, index: u32) -> Real {
+        if let Some(at) = self.objects[index as usize].closest_hit(self.meshes, ray, self.limit_for(index)) {
+            self.closest = Some(Hit { object: index, at });
+        }
+        self.t_max()
+    }
+}

@@ -1,0 +1,158 @@
+//! Eight `f32` at a time: [`Lanes`] is what the culling code is written in, once, and each processor level is one
+//! implementation of it.
+//!
+//! A level changes how fast something is culled and nothing else: survivors are decided in `f64` elsewhere, so the
+//! levels need not round alike. The only place of the program with `unsafe` code.
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod scalar;
+
+use std::fmt;
+
+/// Numbers in a register.
+pub const WIDTH: usize = 8;
+/// What a register holds, in memory.
+pub type Eight = [f32; WIDTH];
+
+/// The arithmetic of eight numbers. A value of an implementing type is the proof that the processor has it.
+pub trait Lanes: Copy + Send + Sync {
+    /// Eight numbers.
+    type F: Copy;
+    /// Eight times yes or no.
+    type M: Copy;
+
+    fn splat(self, value: f32) -> Self::F;
+    fn load(self, from: &Eight) -> Self::F;
+    fn store(self, value: Self::F, into: &mut Eight);
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a b + c, rounded once or twice.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// a b - c, rounded once or twice.
+    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The smaller one; either one if any is NaN.
+    fn min(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger one; either one if any is NaN.
+    fn max(self, a: Self::F, b: Self::F) -> Self::F;
+    fn abs(self, a: Self::F) -> Self::F;
+    /// `a` with its sign changed where `b` has a minus sign.
+    fn negated_by(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a <= b; no where any is NaN.
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Bit i is lane i's yes.
+    fn bits(self, mask: Self::M) -> u32;
+    /// Runs a task compiled for this level.
+    fn enter<T: Task>(self, task: T) -> T::Output;
+}
+
+/// Work that is compiled once for each level. `run` and everything in it that touches lanes must be
+/// `#[inline(always)]`: only what is inlined into [`Lanes::enter`] is compiled for the level.
+pub trait Task {
+    type Output;
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// A kind of processor that the culling code is compiled for.
+#[derive(Clone, Copy, Debug)]
+pub enum Level {
+    /// Any processor.
+    Scalar(scalar::Scalar),
+    /// x86-64 with AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Avx2),
+}
+
+impl Level {
+    /// The names that [`named`](Self::named) knows.
+    pub const NAMES: [&str; 2] = ["scalar", "avx2"];
+
+    /// The best level of this processor. Asked once, before any ray is traced.
+    pub fn detected() -> Self {
+        Self::named("avx2").unwrap_or(Self::SCALAR)
+    }
+
+    pub const SCALAR: Self = Self::Scalar(scalar::Scalar);
+
+    /// The level of a name, if this processor has it.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "scalar" => Some(Self::SCALAR),
+            #[cfg(target_arch = "x86_64")]
+            "avx2" => avx2::Avx2::detected().map(Self::Avx2),
+            _ => None,
+        }
+    }
+
+    /// Runs a task at this level.
+    #[inline]
+    pub fn run<T: Task>(self, task: T) -> T::Output {
+        match self {
+            Self::Scalar(lanes) => lanes.enter(task),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(lanes) => lanes.enter(task),
+        }
+    }
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Scalar(_) => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => "avx2",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Everything;
+
+    impl Task for Everything {
+        type Output = (Vec<Eight>, Vec<u32>);
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> Self::Output {
+            let a = l.load(&[1.0, -2.0, 3.0, -0.0, 5.0, 6.5, -7.0, 0.0]);
+            let b = l.load(&[2.0, -2.0, -3.0, 4.0, -5.0, 0.5, 7.0, -0.0]);
+            let c = l.splat(3.0);
+            let mut numbers = Vec::new();
+            let results = [
+                l.add(a, b),
+                l.sub(a, b),
+                l.mul(a, b),
+                l.mul_add(a, b, c),
+                l.mul_sub(a, b, c),
+                l.min(a, b),
+                l.max(a, b),
+                l.abs(a),
+                l.negated_by(a, b),
+            ];
+            for result in results {
+                let mut eight = [0.0; WIDTH];
+                l.store(result, &mut eight);
+                numbers.push(eight);
+            }
+            let (x, y) = (l.le(a, b), l.le(c, a));
+            (numbers, vec![l.bits(x), l.bits(y), l.bits(l.and(x, y)), l.bits(l.or(x, y))])
+        }
+    }
+
+    #[test]
+    fn all_levels_compute_the_same() {
+        let (numbers, bits) = Level::SCALAR.run(Everything);
+        assert_eq!(numbers[3], [5.0, 7.0, -6.0, 3.0, -22.0, 6.25, -46.0, 3.0]);
+        assert_eq!(bits, [0b1100_1011, 0b0011_0100, 0, 0b1111_1111]);
+        match Level::named("avx2") {
+            Some(level) => assert_eq!(level.run(Everything), (numbers, bits)),
+            None => eprintln!("skipped: this processor has no AVX2"),
+        }
+    }
+}
