@@ -227,10 +227,16 @@ def gallery():
         wood.flat((-far, y, depth), (far, y, depth), (far, y, front), (-far, y, front))
     for x in bay_middles():
         wood.box((x - 0.95, FLOOR2, upper - 1), (x - 0.3, 7.2, upper + 0.06), "db")
-        lamps.turned((x, 3.35, front - WALL / 2), [[(0.0, -0.2), (0.13, -0.05), (0.16, 0.12)], [(0.16, 0.12), (0.0, 0.26)]], 8)
-        wood.box((x - 0.012, 3.6, front - WALL / 2 - 0.012), (x + 0.012, SPRING + ARCH + 0.02, front - WALL / 2 + 0.012), "du")
-    for mesh, name in ((wall, "wall"), (tiles, "tiles"), (wood, "wood"), (stone, "stone"), (lamps, "lamps"), (shutters, "shutters")):
-        mesh.write(f"gallery_{name}")
+        z, chain = front - WALL / 2, 0.012
+        glass = [[(0.0, -0.2), (0.13, -0.05), (0.16, 0.12)], [(0.16, 0.12), (0.0, 0.26)]]
+        lamps.turned((x, 3.35, z), glass, 8)
+        wood.box((x - chain, 3.6, z - chain), (x + chain, SPRING + ARCH + 0.02, z + chain), "du")
+    wall.write("gallery_wall")
+    tiles.write("gallery_tiles")
+    wood.write("gallery_wood")
+    stone.write("gallery_stone")
+    lamps.write("gallery_lamps")
+    shutters.write("gallery_shutters")
 
 
 def roof():
