@@ -182,11 +182,10 @@ impl Shaft {
     fn boxes<L: Lanes>(&self, l: L, node: &Node, end: f32) -> (u32, L::F) {
         let zero = l.splat(0.0);
         let sign = l.splat(self.sign);
-        let lower = l.mul(l.load(&node.planes[self.axis]), sign);
-        let upper = l.mul(l.load(&node.planes[self.axis + 3]), sign);
+        let (near, far) = if self.sign < 0.0 { (self.axis + 3, self.axis) } else { (self.axis, self.axis + 3) };
         let first = l.splat(self.first);
-        let enter = l.max(l.sub(l.min(lower, upper), first), zero);
-        let leave = l.sub(l.max(lower, upper), first);
+        let enter = l.max(l.mul_sub(l.load(&node.planes[near]), sign, first), zero);
+        let leave = l.mul_sub(l.load(&node.planes[far]), sign, first);
         let mut met = l.and(l.le(zero, leave), l.le(enter, l.splat(end - self.first)));
         for side in 0..2 {
             let other = (self.axis + 1 + side) % 3;

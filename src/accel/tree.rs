@@ -14,7 +14,7 @@ use super::simd::{Eight, WIDTH};
 /// | 192..224 | what is in the eight boxes, see [`Child`] |
 ///
 /// Boxes are in the tree's [`Frame`](super::frame::Frame), margin included. Unused places come last; their boxes are
-/// turned inside out (lower 4, upper -4), so that no ray meets them.
+/// turned inside out and far away (lower 10^30, upper -10^30), so that neither a ray nor a shaft meets them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
@@ -29,7 +29,7 @@ pub struct Node {
 pub struct Child(u32);
 
 const LEAF_BIT: u32 = 1 << 31;
-const INSIDE_OUT: f32 = 4.0;
+const INSIDE_OUT: f32 = 1e30;
 
 impl Child {
     pub const NONE: Self = Self(u32::MAX);

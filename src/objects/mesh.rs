@@ -43,7 +43,7 @@ impl Mesh {
         };
         mesh.vertex_normals = mesh.smooth_normals();
         if mesh.triangles.len() > LOOP_TRIANGLES {
-            mesh.tree = Some(TriangleTree::build(mesh.triangles.len(), &mesh.bounds, |i| mesh.corners(i)));
+            mesh.tree = Some(mesh.built_tree());
         }
         mesh
     }
@@ -59,6 +59,11 @@ impl Mesh {
             }
         }
         sums.into_iter().map(Vector3::normalized).collect()
+    }
+
+    /// A tree over the triangles.
+    pub fn built_tree(&self) -> TriangleTree {
+        TriangleTree::build(self.triangles.len(), &self.bounds, |triangle| self.corners(triangle))
     }
 
     pub fn triangle_count(&self) -> usize {

@@ -1,8 +1,8 @@
 //! What one ray sees: the heart of the program.
 
 use crate::accel::Hit;
-use crate::light::Light;
-use crate::material::{Material, mirrored};
+use crate::light::Illumination;
+use crate::material::mirrored;
 use crate::objects::Ray;
 use crate::plan::Plan;
 use crate::report::RayCounts;
@@ -28,67 +28,133 @@ pub struct Seen {
 pub struct Tracer<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
+    /// Weights never grow on their way from mirror to mirror.
+    weights_never_grow: bool,
     pub counts: RayCounts,
+    batch: Batch,
+}
+
+/// The rays that are followed together, and what is known of them. Kept to spare allocations.
+#[derive(Default)]
+struct Batch {
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    paths: Vec<Path>,
+    surfaces: Vec<Surface>,
+    shadow_rays: Vec<(Ray, Real)>,
+    /// For each shadow ray: the surface, and what the light adds to it if nothing is in the way.
+    shadowed: Vec<(usize, Vector3)>,
+    blocked: Vec<bool>,
+}
+
+/// What has been gathered on the way from the camera, and what further light counts.
+struct Path {
+    camera_ray: usize,
+    color: Vector3,
+    weight: Vector3,
+}
+
+/// A point that is being shaded.
+struct Surface {
+    point: Vector3,
+    normal: Vector3,
+    /// The mirrored ray direction.
+    reflected: Vector3,
+    material: u32,
+    /// Light that the surface sends back along the ray, mirrors aside.
+    color: Vector3,
 }
 
 impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, plan: &'a Plan) -> Self {
-        Self { scene, plan, counts: RayCounts::default() }
+        let weights_never_grow = scene.materials.iter().all(|material| material.specular.max_abs() <= 1.0);
+        Self { scene, plan, weights_never_grow, counts: RayCounts::default(), batch: Batch::default() }
     }
 
     /// What rays from the camera see, one entry of `seen` for each. Rays that lie side by side are best asked about
     /// together.
     pub fn see(&mut self, rays: &[Ray], seen: &mut Vec<Seen>) {
         self.counts.camera += rays.len() as u64;
+        let mut batch = std::mem::take(&mut self.batch);
+        batch.rays.clear();
+        batch.rays.extend_from_slice(rays);
+        self.closest_hits(&batch.rays, &mut batch.hits);
         seen.clear();
-        for ray in rays {
-            let hit = self.closest_hit(ray);
-            seen.push(self.seen(ray, hit));
-        }
-    }
-
-    /// What a camera ray sees whose nearest hit is known.
-    fn seen(&mut self, ray: &Ray, hit: Option<Hit>) -> Seen {
-        let mut seen = Seen { depth: hit.map(|hit| hit.at.t), ..Seen::default() };
-        if let Some(hit) = hit.filter(|_| self.plan.normals) {
-            seen.normal = self.normal(ray, &hit);
+        for (ray, hit) in rays.iter().zip(&batch.hits) {
+            let normal = hit.as_ref().filter(|_| self.plan.normals).map(|hit| self.normal(ray, hit));
+            let depth = hit.as_ref().map(|hit| hit.at.t);
+            seen.push(Seen { depth, normal: normal.unwrap_or_default(), ..Seen::default() });
         }
         if self.plan.color {
-            seen.color = self.color(ray, hit);
+            self.see_colors(&mut batch, seen);
         }
-        seen
+        self.batch = batch;
     }
 
-    /// The colour of a ray whose nearest hit is known, mirrors included.
+    /// The colours of rays whose nearest hits are known, mirrors included.
     ///
-    /// The recursion of the course, written as a loop with a running weight: as deep as `-bounces` asks for without
-    /// growing the stack.
-    fn color(&mut self, ray: &Ray, hit: Option<Hit>) -> Vector3 {
-        let (mut ray, mut hit) = (*ray, hit);
-        let mut color = Vector3::ZERO;
-        let mut weight = Vector3::splat(1.0);
+    /// The recursion of the course, written as a loop with running weights: as deep as `-bounces` asks for without
+    /// growing the stack, and all rays take each step together.
+    fn see_colors(&mut self, batch: &mut Batch, seen: &mut [Seen]) {
+        let start = |camera_ray| Path { camera_ray, color: Vector3::ZERO, weight: Vector3::splat(1.0) };
+        batch.paths.clear();
+        batch.paths.extend((0..batch.rays.len()).map(start));
         let mut bounces = self.plan.bounces;
         loop {
-            let Some(found) = hit else {
-                return color + weight.scaled_by(self.background(&ray));
-            };
-            let point = ray.at(found.at.t);
-            let normal = self.normal(&ray, &found);
-            let material = &self.scene.materials[self.scene.objects[found.object as usize].material as usize];
-            let reflected = mirrored(ray.direction, normal);
-            color += weight.scaled_by(self.shade(material, point, normal, reflected));
-            if bounces == 0 || !material.is_mirror() {
-                return color;
+            self.find_surfaces(batch, seen);
+            self.shade(batch);
+            let last = bounces == 0;
+            bounces = bounces.saturating_sub(1);
+            batch.rays.clear();
+            let mut surfaces = batch.surfaces.iter();
+            batch.paths.retain_mut(|path| {
+                // There is a surface for every path.
+                let Some(surface) = surfaces.next() else { return false };
+                let material = &self.scene.materials[surface.material as usize];
+                path.color += path.weight.scaled_by(surface.color);
+                let mut goes_on = !last && material.is_mirror();
+                if goes_on {
+                    path.weight = path.weight.scaled_by(material.specular);
+                    goes_on = !self.no_longer_matters(path.color, path.weight, bounces);
+                }
+                if goes_on {
+                    let origin = surface.point + surface.reflected * RAY_OFFSET;
+                    batch.rays.push(Ray { origin, direction: surface.reflected });
+                } else {
+                    seen[path.camera_ray].color = path.color;
+                }
+                goes_on
+            });
+            if batch.paths.is_empty() {
+                return;
             }
-            weight = weight.scaled_by(material.specular);
-            bounces -= 1;
-            if self.no_longer_matters(color, weight, bounces) {
-                return color;
-            }
-            ray = Ray { origin: point + reflected * RAY_OFFSET, direction: reflected };
-            self.counts.mirror += 1;
-            hit = self.closest_hit(&ray);
+            self.counts.mirror += batch.rays.len() as u64;
+            self.closest_hits(&batch.rays, &mut batch.hits);
         }
+    }
+
+    /// Ends the paths that leave the scene, and finds out where the other ones are.
+    fn find_surfaces(&self, batch: &mut Batch, seen: &mut [Seen]) {
+        let Batch { rays, hits, paths, surfaces, .. } = batch;
+        surfaces.clear();
+        let mut rays_and_hits = rays.iter().zip(hits);
+        paths.retain(|path| {
+            // There is a ray for every path.
+            let Some((ray, hit)) = rays_and_hits.next() else { return false };
+            let Some(hit) = hit else {
+                seen[path.camera_ray].color = path.color + path.weight.scaled_by(self.background(ray));
+                return false;
+            };
+            let normal = self.normal(ray, hit);
+            surfaces.push(Surface {
+                point: ray.at(hit.at.t),
+                normal,
+                reflected: mirrored(ray.direction, normal),
+                material: self.scene.objects[hit.object as usize].material,
+                color: Vector3::ZERO,
+            });
+            true
+        });
     }
 
     /// Whether everything that can still be added to `color` leaves every bit of it as it is.
@@ -99,42 +165,49 @@ impl<'a> Tracer<'a> {
         let Some(bound) = self.plan.radiance_bound else {
             return false;
         };
-        // Weights may grow again at a mirror with a specular colour above 1, so this holds for the others only.
-        let never_grows = self.scene.materials.iter().all(|material| material.specular.max_abs() <= 1.0);
         let rest = Real::from(bounces as f32 + 1.0) * bound;
-        never_grows && (0..3).all(|c| color[c] + weight[c].abs() * rest == color[c])
+        self.weights_never_grow && (0..3).all(|c| color[c] + weight[c].abs() * rest == color[c])
     }
 
-    /// The light that a point of a surface sends back along the ray, mirrors aside.
-    fn shade(&mut self, material: &Material, point: Vector3, normal: Vector3, reflected: Vector3) -> Vector3 {
-        let mut color = Vector3::ZERO;
-        for light in &self.scene.lights {
-            let illumination = light.illuminate(point);
-            let added = material.phong(&illumination, normal, reflected);
-            if added == Vector3::ZERO {
-                // Blocked or not, this light adds nothing.
-                self.counts.shadow_left_out += u64::from(self.plan.shadows);
+    /// Adds up the light that surfaces send back along their rays, mirrors aside.
+    fn shade(&mut self, batch: &mut Batch) {
+        let scene = self.scene;
+        for light in &scene.lights {
+            batch.shadow_rays.clear();
+            batch.shadowed.clear();
+            for (index, surface) in batch.surfaces.iter_mut().enumerate() {
+                let illumination = light.illuminate(surface.point);
+                let material = &scene.materials[surface.material as usize];
+                let added = material.phong(&illumination, surface.normal, surface.reflected);
+                if added == Vector3::ZERO {
+                    // Blocked or not, this light adds nothing.
+                    self.counts.shadow_left_out += u64::from(self.plan.shadows);
+                } else if self.plan.shadows {
+                    batch.shadow_rays.push(shadow_ray(surface.point, &illumination));
+                    batch.shadowed.push((index, added));
+                } else {
+                    surface.color += added;
+                }
+            }
+            if batch.shadow_rays.is_empty() {
                 continue;
             }
-            if !self.plan.shadows || !self.is_blocked(light, point) {
-                color += added;
+            self.counts.shadow += batch.shadow_rays.len() as u64;
+            scene.accelerator.any_hits(&scene.objects, &scene.meshes, &batch.shadow_rays, &mut batch.blocked);
+            for (&(index, added), blocked) in batch.shadowed.iter().zip(&batch.blocked) {
+                if !blocked {
+                    batch.surfaces[index].color += added;
+                }
             }
         }
-        color + self.scene.ambient_light.scaled_by(material.diffuse)
+        for surface in &mut batch.surfaces {
+            let material = &scene.materials[surface.material as usize];
+            surface.color += scene.ambient_light.scaled_by(material.diffuse);
+        }
     }
 
-    /// Whether anything stands between a point and a light. The distance is measured from the moved origin, as in
-    /// the starter: something up to one offset behind the light blocks it too.
-    fn is_blocked(&mut self, light: &Light, point: Vector3) -> bool {
-        let illumination = light.illuminate(point);
-        let direction = illumination.to_light;
-        self.counts.shadow += 1;
-        let ray = Ray { origin: point + direction * RAY_OFFSET, direction };
-        self.scene.accelerator.any_hit(&self.scene.objects, &self.scene.meshes, &ray, illumination.distance)
-    }
-
-    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.scene.accelerator.closest_hit(&self.scene.objects, &self.scene.meshes, ray)
+    fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        self.scene.accelerator.closest_hits(&self.scene.objects, &self.scene.meshes, rays, hits);
     }
 
     fn normal(&self, ray: &Ray, hit: &Hit) -> Vector3 {
@@ -147,4 +220,11 @@ impl<'a> Tracer<'a> {
             None => self.scene.background.color,
         }
     }
+}
+
+/// The ray from a point to a light, and how far it goes. The distance is measured from the moved origin, as in the
+/// starter: something up to one offset behind the light blocks it too.
+fn shadow_ray(point: Vector3, illumination: &Illumination) -> (Ray, Real) {
+    let direction = illumination.to_light;
+    (Ray { origin: point + direction * RAY_OFFSET, direction }, illumination.distance)
 }

@@ -12,6 +12,8 @@ mod lexer;
 mod mesh_file;
 pub mod parser;
 
+pub use mesh_file::parse_mesh;
+
 use crate::accel::Accelerator;
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;
