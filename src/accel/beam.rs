@@ -8,7 +8,7 @@
 use super::frame::{CullRay, Entry, Frame};
 use super::simd::{Eight, Lanes, Task, WIDTH};
 use super::tree::{Child, Node, Tree};
-use super::walk::{DONE, Walk};
+use super::walk::{DONE, Visit, Walk};
 use crate::objects::PreparedRay;
 use vecmath::Real;
 
@@ -284,12 +284,23 @@ impl<V: Leaves> BeamWalk<'_, V> {
         for number in numbers_in(mask) {
             let ray = self.beam.rays[number];
             let limit = self.beam.limit(number);
-            let (leaves, beam) = (&mut self.leaves, &mut *self.beam);
-            let visit = |leaf: u32| {
-                leaves.visit(l, leaf as usize, 1 << number, beam);
-                beam.limit(number)
-            };
-            let _ = l.enter(Walk { tree: self.tree, start, ray: &ray, limit, visit });
+            let mut visit = OneOfMany { number, leaves: &mut self.leaves, beam: &mut *self.beam };
+            let _ = l.enter(Walk { tree: self.tree, start, ray: &ray, limit, visit: &mut visit });
         }
+    }
+}
+
+/// A ray of a beam that walks alone.
+struct OneOfMany<'a, V> {
+    number: usize,
+    leaves: &'a mut V,
+    beam: &'a mut Beam,
+}
+
+impl<V: Leaves> Visit for OneOfMany<'_, V> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
+        self.leaves.visit(l, leaf, 1 << self.number, self.beam);
+        self.beam.limit(self.number)
     }
 }

@@ -5,7 +5,7 @@ use super::build::{self, Item};
 use super::frame::{Entry, Frame};
 use super::simd::{Lanes, Level};
 use super::tree::{Child, Tree};
-use super::walk::{DONE, Walk};
+use super::walk::{Call, DONE, Walk};
 use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, Shape, T_MAX};
 use vecmath::Real;
 
@@ -105,9 +105,9 @@ impl Accelerator {
                 let _ = treed.objects.iter().any(|&index| ask(index) == Real::NEG_INFINITY);
             }
             Entry::Met(cull_ray) => {
-                let visit = |leaf: u32| cull_ray.limit(ask(treed.objects[leaf as usize]));
+                let mut visit = Call(|leaf: usize| cull_ray.limit(ask(treed.objects[leaf])));
                 let (tree, limit) = (&treed.tree, cull_ray.limit(t_max));
-                self.level.run(Walk { tree, start: Child::node(0), ray: &cull_ray, limit, visit });
+                self.level.run(Walk { tree, start: Child::node(0), ray: &cull_ray, limit, visit: &mut visit });
             }
         }
     }

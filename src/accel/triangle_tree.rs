@@ -2,11 +2,11 @@
 
 use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
 use super::build::{self, Item};
-use super::frame::{Entry, Frame, Planes};
-use super::simd::{Lanes, Level, Task, WIDTH};
+use super::frame::{CullRay, Entry, Frame, Planes};
+use super::simd::{Lanes, Level, WIDTH};
 use super::tree::{Child, Tree};
 use super::triangles::Block;
-use super::walk::{DONE, Walk};
+use super::walk::{DONE, Visit, Walk};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
 use vecmath::{Real, Vector3};
@@ -57,7 +57,11 @@ impl TriangleTree {
             Some((culled, Entry::Met(cull_ray))) => {
                 let limit = cull_ray.limit(t_max);
                 let decide = |triangle| cull_ray.limit(decide(triangle));
-                self.level.run(Alone { culled, ray: &cull_ray, limit, decide });
+                let (tree, start) = (&culled.tree, Child::node(0));
+                let mut visit = BlockVisit { blocks: &culled.blocks, ray: &cull_ray, limit, decide };
+                if !tree.nodes.is_empty() {
+                    self.level.run(Walk { tree, start, ray: &cull_ray, limit, visit: &mut visit });
+                }
             }
         }
     }
@@ -130,35 +134,24 @@ impl Culled {
     }
 }
 
-/// One ray on its way to `decide`, which returns the limit in the frame.
-struct Alone<'a, D> {
-    culled: &'a Culled,
-    ray: &'a super::frame::CullRay,
+/// Leaves that are blocks of triangles, for one ray. `decide` returns the limit in the frame.
+struct BlockVisit<'a, D> {
+    blocks: &'a [Block],
+    ray: &'a CullRay,
     limit: f32,
     decide: D,
 }
 
-impl<D: FnMut(u32) -> f32> Task for Alone<'_, D> {
-    type Output = ();
-
+impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let Culled { tree, blocks, .. } = self.culled;
-        if tree.nodes.is_empty() {
-            return;
+    fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
+        let block = &self.blocks[leaf];
+        let mut survivors = block.survivors(l, self.ray.origin, self.ray.direction, self.limit);
+        while survivors != 0 && self.limit > DONE {
+            self.limit = (self.decide)(block.number(survivors.trailing_zeros()));
+            survivors &= survivors - 1;
         }
-        let (ray, mut decide, mut limit) = (self.ray, self.decide, self.limit);
-        let visit = |leaf: u32| {
-            let block = &blocks[leaf as usize];
-            let mut survivors = block.survivors(l, ray.origin, ray.direction, limit);
-            while survivors != 0 && limit > DONE {
-                limit = decide(block.number(survivors.trailing_zeros()));
-                survivors &= survivors - 1;
-            }
-            limit
-        };
-        let walk = Walk { tree, start: Child::node(0), ray, limit: self.limit, visit };
-        let _ = walk.run(l);
+        self.limit
     }
 }
 

@@ -10,14 +10,31 @@ pub const DONE: f32 = -1.0;
 /// Pending boxes kept at hand. Deeper trees are walked on by a call of the walk to itself.
 const STACK: usize = 64;
 
-/// Calls `visit` with the number of every leaf below `start` whose box the ray may meet at a t up to `limit`. `visit`
-/// returns the new limit, [`DONE`] to end the walk; the last one is the output.
+/// What is to be done at a leaf. Implementations are `#[inline(always)]`, as everything in a
+/// [`Task`](super::simd::Task).
+pub trait Visit {
+    /// Looks at a leaf and returns the new limit, [`DONE`] to end the walk.
+    fn visit<L: Lanes>(&mut self, lanes: L, leaf: usize) -> f32;
+}
+
+/// Calls [`Visit::visit`] with the number of every leaf below `start` whose box the ray may meet at a t up to `limit`.
+/// The output is the last limit.
 pub struct Walk<'a, V> {
     pub tree: &'a Tree,
     pub start: Child,
     pub ray: &'a CullRay,
     pub limit: f32,
-    pub visit: V,
+    pub visit: &'a mut V,
+}
+
+/// A leaf's number is enough for a closure.
+pub struct Call<F>(pub F);
+
+impl<F: FnMut(usize) -> f32> Visit for Call<F> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, _: L, leaf: usize) -> f32 {
+        (self.0)(leaf)
+    }
 }
 
 /// A ray in registers, each component eight times.
@@ -66,7 +83,7 @@ impl<F: Copy> RayLanes<F> {
     }
 }
 
-impl<V: FnMut(u32) -> f32> Task for Walk<'_, V> {
+impl<V: Visit> Task for Walk<'_, V> {
     type Output = f32;
 
     #[inline(always)]
@@ -77,7 +94,7 @@ impl<V: FnMut(u32) -> f32> Task for Walk<'_, V> {
         let mut current = self.start;
         loop {
             if current.is_leaf() {
-                self.limit = (self.visit)(current.index() as u32);
+                self.limit = self.visit.visit(l, current.index());
                 if self.limit < 0.0 {
                     return self.limit;
                 }
@@ -149,7 +166,7 @@ fn pushed(
     nearest.1
 }
 
-impl<V: FnMut(u32) -> f32> Walk<'_, V> {
+impl<V: Visit> Walk<'_, V> {
     /// Walks the boxes of a node one by one, for want of room on the stack.
     #[inline(always)]
     fn walk_boxes<L: Lanes>(&mut self, l: L, node: &Node, first: usize, met: u32, distances: &[f32; WIDTH]) {
@@ -158,9 +175,9 @@ impl<V: FnMut(u32) -> f32> Walk<'_, V> {
             let place = met.trailing_zeros() as usize % WIDTH;
             met &= met - 1;
             if distances[place] <= self.limit {
-                let visit: &mut dyn FnMut(u32) -> f32 = &mut self.visit;
                 let start = node.children[place];
-                self.limit = l.enter(Walk { tree: self.tree, start, ray: self.ray, limit: self.limit, visit });
+                let Self { tree, ray, limit, .. } = *self;
+                self.limit = l.enter(Walk { tree, start, ray, limit, visit: &mut *self.visit });
             }
         }
     }
