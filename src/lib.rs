@@ -11,6 +11,8 @@
 //!
 //! [`compare`] stands beside: it measures how much two pictures differ.
 #![deny(unsafe_code)]
+// Read with --document-private-items: this is a program first.
+#![allow(rustdoc::private_intra_doc_links)]
 
 pub mod accel;
 pub mod args;

@@ -2,7 +2,7 @@
 //!
 //! The contract: exactly the hit that a loop over all objects returns, to the last bit. Nobody who wants to understand
 //! the picture needs to read further here. Boxes and pre-tests in `f32` only ever discard what cannot be hit
-//! ([`frame`] and [`triangles`] say why); the objects decide, in [`Real`].
+//! ([`frame`] and [`triangles`] say why); the objects decide, in [`Real`](vecmath::Real).
 //!
 //! [`build`] makes a [`Tree`](tree::Tree) of boxes, [`walk`] takes one ray through it and [`beam`] up to 64; all of it
 //! is written once, in the lanes of [`simd`].
