@@ -9,10 +9,10 @@
 //! 5. [`render`]: the pictures' pixels, ray by ray ([`render::trace`] is the heart of it);
 //! 6. [`film`]: bytes and files.
 //!
-//! [`compare`] stands beside: it measures how much two pictures differ.
+//! [`mod@compare`] stands beside: it measures how much two pictures differ.
 #![deny(unsafe_code)]
 // Read with --document-private-items: this is a program first.
-#![allow(rustdoc::private_intra_doc_links)]
+#![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
 
 pub mod accel;
 pub mod args;
