@@ -24,7 +24,9 @@ const AT_ONCE: usize = 256;
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let Some(mesh_path) = words.first().map(Path::new) else {
-        println!("rays MESH.obj --rays FILE [--threads N] [--repeats N] [--simd LEVEL] [--alone], or MESH.obj --build");
+        println!(
+            "rays MESH.obj --rays FILE [--threads N] [--repeats N] [--simd LEVEL] [--alone], or MESH.obj --build"
+        );
         return Ok(());
     };
     let value = |flag: &str| words.iter().position(|word| word == flag).and_then(|at| words.get(at + 1));

@@ -4,6 +4,7 @@
 //! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
 
 use crate::error::{Error, probably_meant};
+use crate::render::robust::Epsilon;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::OsString;
@@ -36,6 +37,10 @@ pub struct RenderArgs {
     pub shadows: bool,
     pub jitter: bool,
     pub filter: bool,
+    /// Where shadow and mirror rays start.
+    pub epsilon: Epsilon,
+    /// Depart from the starter where its shortcuts give wrong pictures.
+    pub robust: bool,
     /// `None`: as many as the machine has.
     pub threads: Option<usize>,
     pub seed: u64,
@@ -71,6 +76,16 @@ const MAX_PIXELS: u64 = 1 << 28;
 const MAX_BOUNCES: u32 = 100_000;
 const MAX_THREADS: usize = 1024;
 
+/// Every way in which `-robust` departs from the starter.
+const ROBUST_HELP: &str = "
+With -robust, and without losing a digit of what the default gets right:
+  - shadow and mirror rays start as far off a surface as its rounding asks for (-epsilon auto), not 0.01 along them
+  - a plane's normal is shaded and shown as a unit vector, whatever its length in the scene
+  - what is behind a light casts no shadow: the way to it is measured from where the shadow ray starts
+  - a surface stands in the way of a light behind it: shadow rays start on the side that is seen
+  - a mirror's smoothed normal sends no ray into the mirror: the normal of the face then takes its place
+";
+
 /// Name, value names, help.
 type Flag = (&'static str, &'static [&'static str], &'static str);
 
@@ -84,6 +99,12 @@ const FLAGS: &[Flag] = &[
     ("shadows", &[], "Trace shadow rays"),
     ("jitter", &[], "16 jittered samples per pixel"),
     ("filter", &[], "Render at 3 times the size, then filter down with a Gaussian"),
+    (
+        "epsilon",
+        &["E"],
+        "Shadow and mirror rays start E along them [default: 0.01], or auto: just off the surface",
+    ),
+    ("robust", &[], "Right at every scale, not the starter's shortcuts (listed below)"),
     ("threads", &["N"], "Worker threads [default: one per processor]"),
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
     ("explain", &[], "Say on standard error what this scene needs and what is left out"),
@@ -169,6 +190,7 @@ fn usage() -> String {
         let typed = format!("-{name} {}", values.join(" "));
         text += &format!("  {typed:<28} {help}\n");
     }
+    text += ROBUST_HELP;
     text += "\nExample: a2 -input data/scene06_bunny_1k.txt -output out.png -size 300 300 -bounces 4\n";
     text
 }
@@ -279,6 +301,8 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         shadows: typed.has("shadows"),
         jitter: typed.has("jitter"),
         filter: typed.has("filter"),
+        epsilon: epsilon(typed)?,
+        robust: typed.has("robust"),
         threads: typed.number("threads", 0, &threads, |n| (1..=MAX_THREADS).contains(n))?,
         seed: typed.number("seed", 0, "a whole number from 0 to 2^64 - 1", |_| true)?.unwrap_or(0),
         quiet: typed.has("quiet"),
@@ -311,6 +335,17 @@ fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {
     };
     let path = must_be_png("depth", path)?;
     Ok(Some(DepthPicture { min, max, path }))
+}
+
+/// `-epsilon E|auto`; `-robust` means `auto` unless a number is given.
+fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
+    if typed.values("epsilon").first().is_some_and(|value| *value == "auto") {
+        return Ok(Epsilon::Auto);
+    }
+    let number =
+        typed.number("epsilon", 0, "'auto' or a distance from 0 to 1e30", |e| (0.0..=1e30).contains(e))?;
+    let unless_given = if typed.has("robust") { Epsilon::Auto } else { Epsilon::default() };
+    Ok(number.map_or(unless_given, Epsilon::Along))
 }
 
 fn compare_args(typed: &Typed) -> Result<CompareArgs, Error> {
@@ -376,6 +411,16 @@ mod tests {
     }
 
     #[test]
+    fn robust_rays_start_just_off_the_surface_unless_a_distance_is_given() {
+        let epsilon = |flags: &str| render(&format!("-input s.txt -output o.png {flags}")).epsilon;
+        assert_eq!(epsilon(""), Epsilon::Along(0.01));
+        assert_eq!(epsilon("-robust"), Epsilon::Auto);
+        assert_eq!(epsilon("-epsilon auto"), Epsilon::Auto);
+        assert_eq!(epsilon("-epsilon 1e-4 -robust"), Epsilon::Along(1e-4));
+        assert!(render("-input s.txt -output o.png -robust").robust);
+    }
+
+    #[test]
     fn nonsense_names_flag_value_and_expectation() {
         for (line, parts) in [
             ("-input s.txt", &["-output", "-depth"] as &[_]),
@@ -393,6 +438,8 @@ mod tests {
             ("-input s.txt -depth nan 1 d.png", &["-depth", "'nan'"]),
             ("-input s.txt -output o.png -depth 0 1 o.png", &["same file name"]),
             ("-input s.txt -output o.png -threads 0", &["-threads", "'0'"]),
+            ("-input s.txt -output o.png -epsilon -1", &["-epsilon", "'-1'", "auto"]),
+            ("-input s.txt -output o.png -epsilon nan", &["-epsilon", "'nan'"]),
             ("-input s.txt -output o.png -seed -3", &["-seed", "'-3'"]),
             ("-input s.txt -output o.png -diff d.png", &["-diff", "-compare"]),
             ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),

@@ -38,6 +38,10 @@ impl Light {
             Self::Point { position, color, falloff } => {
                 let offset = position - point;
                 let distance = offset.length();
+                if distance == 0.0 {
+                    // A light is not lit by itself: from its own place it has no direction.
+                    return Illumination { to_light: Vector3::ZERO, distance, intensity: Vector3::ZERO };
+                }
                 Illumination {
                     to_light: offset / distance,
                     distance,
@@ -62,6 +66,13 @@ mod tests {
         let seen = light.illuminate(Vector3::new(0.0, 2.0, 0.0));
         assert_eq!((seen.to_light, seen.distance), (Vector3::new(0.0, 1.0, 0.0), 2.0));
         assert_eq!(seen.intensity, Vector3::new(1.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn in_its_own_place_it_gives_no_light() {
+        let light = Light::Point { position: Vector3::splat(1.0), color: Vector3::splat(0.5), falloff: 0.0 };
+        let seen = light.illuminate(Vector3::splat(1.0));
+        assert_eq!((seen.to_light, seen.intensity), (Vector3::ZERO, Vector3::ZERO));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 use crate::args::RenderArgs;
 use crate::material::Material;
+use crate::render::robust::Epsilon;
 use crate::scene::description::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -18,6 +19,10 @@ pub struct Plan {
     /// Indices of the lights that can change a colour.
     pub lights: Vec<usize>,
     pub shadows: bool,
+    /// Where shadow and mirror rays start.
+    pub epsilon: Epsilon,
+    /// Depart from the starter where its shortcuts give wrong pictures.
+    pub robust: bool,
     /// Mirror rays after one another; 0 where no material in use is a mirror.
     pub bounces: u32,
     /// Whether any ray's colour may come from the cube map.
@@ -47,6 +52,8 @@ impl Plan {
             normals,
             lights: Vec::new(),
             shadows: false,
+            epsilon: args.epsilon,
+            robust: args.robust,
             bounces: 0,
             cube_map: false,
             radiance_bound: None,
@@ -96,7 +103,7 @@ impl Plan {
             args.bounces > 0 && !has_mirror,
             "mirror rays: no material in use is a mirror (specular longer than 0.1)",
         );
-        self.radiance_bound = radiance_bound(description, &self.lights, materials);
+        self.radiance_bound = radiance_bound(description, &self.lights, materials, self.robust);
     }
 
     /// The plan as a text for a person.
@@ -121,6 +128,16 @@ impl Plan {
                 self.bounces,
                 if self.cube_map { "decoded face by face when a ray reaches it" } else { "none" }
             );
+        }
+        if self.shadows || self.bounces > 0 {
+            let _ = match self.epsilon {
+                Epsilon::Along(epsilon) => {
+                    writeln!(text, "plan: shadow and mirror rays start {epsilon} along them")
+                }
+                Epsilon::Auto => {
+                    writeln!(text, "plan: shadow and mirror rays start beyond the rounding of each hit")
+                }
+            };
         }
         for reason in &self.left_out {
             let _ = writeln!(text, "left out: {reason}");
@@ -154,10 +171,17 @@ fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene::des
 ///
 /// There is none with a point light, which grows without limit towards its position, nor where a plane's normal is
 /// not a unit vector, which lets mirrored directions grow.
-fn radiance_bound(description: &Description, lights: &[usize], materials: &[&MaterialBlock]) -> Option<Real> {
+fn radiance_bound(
+    description: &Description,
+    lights: &[usize],
+    materials: &[&MaterialBlock],
+    robust: bool,
+) -> Option<Real> {
     let mut unit_normals = true;
     visit_leaves(&description.root, &mut |leaf| {
-        if let ShapeBlock::Plane { normal, .. } = &leaf.shape {
+        if robust {
+            // Every normal is made a unit vector.
+        } else if let ShapeBlock::Plane { normal, .. } = &leaf.shape {
             unit_normals &= (normal.value.length() - 1.0).abs() < 4.0 * Real::EPSILON;
         }
     });

@@ -26,6 +26,9 @@ use vecmath::{Real, Vector3};
 pub const BOX_MARGIN: f32 = 1.0 / (1 << 18) as f32;
 /// Rays that start farther away, in the frame, are not culled: `f64` would not carry the bounds above.
 const FARTHEST: Real = (1u32 << 26) as Real;
+/// Items whose spread (see [`Frame::with_spread`]) is larger than this for a ray, in the frame, are not culled. The
+/// errors above leave half of [`BOX_MARGIN`]; this is an eighth of it.
+const LARGEST_SPREAD: Real = BOX_MARGIN as Real / 8.0;
 /// No hit in the root box has a larger t in the frame.
 const LARGEST_T: f32 = 8.0;
 /// Components of directions are kept this far from zero.
@@ -41,6 +44,9 @@ pub type Planes = [f32; 6];
 pub struct Frame {
     center: Vector3,
     scale: Real,
+    /// Rounding may move rays sideways by this share of their origin's largest coordinate before they meet an item,
+    /// beside the errors above.
+    spread: Real,
     /// Around all items, grown by [`BOX_MARGIN`].
     bounds: Aabb,
 }
@@ -83,7 +89,12 @@ impl Frame {
         // The logarithm may be rounded down past a power of two.
         let exponent = exponent + i32::from(half * (2.0 as Real).powi(-exponent) > 1.0);
         let scale = (2.0 as Real).powi(-exponent);
-        Some(Self { center, scale, bounds: bounds.grown(BOX_MARGIN as Real / scale) })
+        Some(Self { center, scale, spread: 0.0, bounds: bounds.grown(BOX_MARGIN as Real / scale) })
+    }
+
+    /// The same frame for items that rays meet with this spread (see [`Object::spread`](crate::objects::Object)).
+    pub fn with_spread(self, spread: Real) -> Self {
+        Self { spread, ..self }
     }
 
     /// A vector's components in the frame.
@@ -110,7 +121,8 @@ impl Frame {
         let largest = ray.ray.direction.max_abs();
         let near_enough = from_center.max_abs() * self.scale <= FARTHEST && from_center.is_finite();
         let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.ray.direction.is_finite();
-        if !near_enough || !sane {
+        let spread_fits = self.spread * ray.reach * self.scale <= LARGEST_SPREAD;
+        if !near_enough || !sane || !spread_fits {
             return Entry::Unknown;
         }
         let Some(start) = self.bounds.entry(ray, 0.0, t_max) else {

@@ -17,6 +17,10 @@ pub struct Hit {
     pub at: ObjectHit,
 }
 
+/// Objects so distorted that rays meet them with more spread than this are asked one by one: in a tree they would keep
+/// it from culling for all the others.
+const LARGEST_SPREAD: Real = 1e-9;
+
 /// Up to so many bounded objects are asked one by one.
 pub const LOOP_OBJECTS: usize = 4;
 
@@ -46,12 +50,15 @@ impl Accelerator {
     /// An accelerator that culls at this processor level.
     pub fn with_level(objects: &[Object], level: Level) -> Self {
         let all = || 0..objects.len() as u32;
-        let bounds = |index: &u32| objects[*index as usize].bounds;
+        let spread = |index: &u32| objects[*index as usize].spread;
+        let bounds = |index: &u32| objects[*index as usize].bounds.filter(|_| spread(index) <= LARGEST_SPREAD);
         let bounded: Vec<u32> = all().filter(|index| bounds(index).is_some()).collect();
         if bounded.len() > LOOP_OBJECTS {
             let around = bounded.iter().filter_map(bounds).fold(Aabb::EMPTY, |all, one| all.union(&one));
             let all_finite = bounded.iter().filter_map(bounds).all(|b| b.min.is_finite() && b.max.is_finite());
+            let largest_spread = bounded.iter().map(spread).fold(0.0, Real::max);
             if let Some(frame) = Frame::new(around).filter(|_| all_finite) {
+                let frame = frame.with_spread(largest_spread);
                 let boxes = bounded.iter().filter_map(bounds);
                 let items = boxes.zip(0..).map(|(bounds, number)| Item::new(number, &frame.planes(&bounds)));
                 let built = build::build(items.collect(), 1);
@@ -124,13 +131,7 @@ impl Accelerator {
     }
 
     /// [`any_hit`](Self::any_hit) of many rays with a `t_max` each: `found` gets an entry for each.
-    pub fn any_hits(
-        &self,
-        objects: &[Object],
-        meshes: &[Mesh],
-        rays: &[(Ray, Real)],
-        found: &mut Vec<bool>,
-    ) {
+    pub fn any_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[(Ray, Real)], found: &mut Vec<bool>) {
         found.clear();
         for rays in rays.chunks(BEAM_RAYS) {
             let t_max: Vec<Real> = rays.iter().map(|ray| ray.1.min(T_MAX.next_down())).collect();

@@ -133,7 +133,11 @@ impl Tree {
         }
         let once = |parents: &[u32]| parents.iter().all(|&count| count == 1);
         let rooted = node_parents.is_empty() || (node_parents[0] == 0 && once(&node_parents[1..]));
-        if rooted && once(&leaf_parents) { Ok(()) } else { Err("a node or a leaf is not in exactly one box".into()) }
+        if rooted && once(&leaf_parents) {
+            Ok(())
+        } else {
+            Err("a node or a leaf is not in exactly one box".into())
+        }
     }
 }
 

@@ -93,9 +93,9 @@ impl TriangleTree {
 
     /// Bytes on the heap.
     pub fn bytes(&self) -> usize {
-        self.culled.as_ref().map_or(0, |culled| {
-            size_of_val(culled.tree.nodes.as_slice()) + size_of_val(culled.blocks.as_slice())
-        })
+        self.culled
+            .as_ref()
+            .map_or(0, |culled| size_of_val(culled.tree.nodes.as_slice()) + size_of_val(culled.blocks.as_slice()))
     }
 
     /// Whether the tree's structure is sound and every triangle is in it once; see [`Tree::validate`].

@@ -101,10 +101,8 @@ impl Block {
         let w = l.add(l.sub(det, u), minus_v);
         let v = l.negated_by(minus_v, l.splat(-1.0));
         let margin = self.side_margin;
-        let one_side = l.or(
-            l.le(l.splat(-margin), l.min(l.min(u, v), w)),
-            l.le(l.max(l.max(u, v), w), l.splat(margin)),
-        );
+        let one_side =
+            l.or(l.le(l.splat(-margin), l.min(l.min(u, v), w)), l.le(l.max(l.max(u, v), w), l.splat(margin)));
         let t = l.negated_by(t, det);
         let margin = self.distance_margin;
         let farthest = l.mul_add(l.abs(det), l.splat(limit), l.splat(margin));

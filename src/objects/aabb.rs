@@ -48,9 +48,19 @@ impl Aabb {
         self.min.max_abs().max(self.max.max_abs())
     }
 
+    /// The same by axes.
+    pub fn corner_reach(&self) -> Vector3 {
+        self.min.map(Real::abs).max(self.max.map(Real::abs))
+    }
+
     /// Larger by `margin` on every side.
     pub fn grown(&self, margin: Real) -> Self {
-        Self { min: self.min - Vector3::splat(margin), max: self.max + Vector3::splat(margin) }
+        self.grown_by(Vector3::splat(margin))
+    }
+
+    /// Larger by a margin for each axis.
+    pub fn grown_by(&self, margin: Vector3) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
     }
 
     /// A box around the image of this one.

@@ -3,8 +3,8 @@
 use super::triangle::face_normal;
 use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
-use crate::accel::simd::Level;
 use crate::accel::beam::{BEAM_RAYS, numbers_in};
+use crate::accel::simd::Level;
 use std::array::from_fn;
 use vecmath::{Real, Vector3};
 
@@ -166,7 +166,8 @@ impl Mesh {
     pub fn any_hits(&self, rays: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
         let mut found = 0;
         let mut is_hit = |number: usize, triangle: u32| {
-            let hit = triangle_hit(&rays[number], self.corners(triangle)).is_some_and(|hit| hit.t <= t_max[number]);
+            let hit =
+                triangle_hit(&rays[number], self.corners(triangle)).is_some_and(|hit| hit.t <= t_max[number]);
             found |= u64::from(hit) << number;
             if hit { Real::NEG_INFINITY } else { t_max[number] }
         };

@@ -5,20 +5,27 @@
 
 mod aabb;
 mod mesh;
+mod placement;
 mod plane;
 mod ray;
 mod sphere;
+mod surface;
 mod triangle;
 
 pub use aabb::Aabb;
 pub use mesh::{Mesh, MeshHit, MeshSearch};
+pub use placement::Placement;
 pub use plane::Plane;
 pub use ray::{PreparedRay, Ray, ShearedRay};
 pub use sphere::Sphere;
+pub use surface::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, triangle_hit};
 
 use crate::accel::beam::{BEAM_RAYS, numbers_in};
-use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, Vector3};
+use crate::render::robust::ROUNDING;
+use surface::triangle_point;
+use triangle::face_normal;
+use vecmath::{Real, Vector3};
 
 /// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
 pub const T_MAX: Real = f32::MAX as Real;
@@ -33,32 +40,6 @@ pub enum Shape {
     Mesh(u32),
 }
 
-/// Where an object stands, when it is not simply in world space.
-#[derive(Clone, Debug)]
-pub struct Placement {
-    pub object_from_world: Matrix4,
-    /// Takes normals from object to world space: the transpose of the linear part of `object_from_world`.
-    normal_to_world: Matrix3,
-}
-
-impl Placement {
-    /// # Errors
-    /// [`SingularMatrix`] where `world_from_object` has no inverse.
-    pub fn new(world_from_object: &Matrix4) -> Result<Self, SingularMatrix> {
-        let object_from_world = world_from_object.affine_inverse()?;
-        let normal_to_world = object_from_world.linear().transposed();
-        Ok(Self { object_from_world, normal_to_world })
-    }
-
-    /// The ray in object space. Its direction is not normalised, so that t means the same in both spaces.
-    pub fn ray_to_object(&self, ray: &Ray) -> Ray {
-        Ray {
-            origin: self.object_from_world.transform_point(ray.origin),
-            direction: self.object_from_world.transform_direction(ray.direction),
-        }
-    }
-}
-
 /// A surface with a place and a material.
 #[derive(Clone, Debug)]
 pub struct Object {
@@ -68,7 +49,18 @@ pub struct Object {
     pub material: u32,
     /// What encloses the object in world space; `None` for a plane, which nothing encloses.
     pub bounds: Option<Aabb>,
+    /// Rounding may move a ray sideways by this share of its origin's largest coordinate; `bounds` count as met by
+    /// a ray that passes them so closely. Zero for a sphere, which has no edge to share with a neighbour: there it
+    /// does not matter on which side of its outline the rounding falls.
+    pub spread: Real,
 }
+
+/// Of the largest coordinate of a ray's origin: moving corners to it and shearing them (6 u), or taking it to object
+/// space (4 u, seen from world space as many times larger as the placement's condition says) and then that.
+const SPREAD_ROUNDINGS: Real = 16.0;
+/// World bounds are larger than the objects by this share of their largest coordinate at least, so that no later
+/// rounding of bounds needs to be thought of.
+const BOUNDS_MARGIN: Real = 8192.0 * ROUNDING;
 
 /// Where a ray meets an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +68,7 @@ pub struct ObjectHit {
     pub t: Real,
     /// Index of the triangle, for a mesh.
     pub triangle: u32,
-    /// Weights of the triangle's corners at the hit, for a mesh.
+    /// Weights of the triangle's corners at the hit, for a mesh or a triangle.
     pub barycentric: [Real; 3],
 }
 
@@ -87,6 +79,20 @@ impl ObjectHit {
 }
 
 impl Object {
+    /// An object of a shape with these bounds (`None`: without end) in object space.
+    pub fn new(shape: Shape, placement: Option<Box<Placement>>, material: u32, bounds: Option<&Aabb>) -> Self {
+        let bounds = bounds.map(|bounds| {
+            let world = placement.as_ref().map_or(*bounds, |placement| placement.bounds_to_world(bounds));
+            world.grown(world.max_abs() * BOUNDS_MARGIN)
+        });
+        let condition = placement.as_ref().map_or(1.0, |placement| placement.condition.max(1.0));
+        let spread = match shape {
+            Shape::Sphere(_) => 0.0,
+            _ => SPREAD_ROUNDINGS * ROUNDING * condition,
+        };
+        Self { shape, placement, material, bounds, spread }
+    }
+
     /// The nearest hit with t < `t_max`.
     ///
     /// A hit counts only where the ray meets [`bounds`](Self::bounds), and is never nearer than the place where it
@@ -96,7 +102,9 @@ impl Object {
         let mut hit = self.in_object_space(world, |ray| match &self.shape {
             Shape::Sphere(sphere) => sphere.hit(&ray.ray).map(ObjectHit::at),
             Shape::Plane(plane) => plane.hit(&ray.ray).map(ObjectHit::at),
-            Shape::Triangle(triangle) => triangle.hit(ray).map(ObjectHit::at),
+            Shape::Triangle(triangle) => {
+                triangle.hit(ray).map(|hit| ObjectHit { t: hit.t, triangle: 0, barycentric: hit.barycentric })
+            }
             Shape::Mesh(mesh) => meshes[*mesh as usize].closest_hit(ray, t_max).map(|found| ObjectHit {
                 t: found.hit.t,
                 triangle: found.triangle,
@@ -116,7 +124,7 @@ impl Object {
         self.in_object_space(world, |ray| match &self.shape {
             Shape::Sphere(sphere) => sphere.hit(&ray.ray).is_some_and(|t| t <= t_max),
             Shape::Plane(plane) => plane.hit(&ray.ray).is_some_and(|t| t <= t_max),
-            Shape::Triangle(triangle) => triangle.hit(ray).is_some_and(|t| t <= t_max),
+            Shape::Triangle(triangle) => triangle.hit(ray).is_some_and(|hit| hit.t <= t_max),
             Shape::Mesh(mesh) => meshes[*mesh as usize].any_hit(ray, t_max),
         })
     }
@@ -178,7 +186,7 @@ impl Object {
 
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
         match &self.bounds {
-            Some(bounds) => bounds.entry(world, 0.0, t_max),
+            Some(bounds) => bounds.entry(world, self.spread * world.reach, t_max),
             None => Some(0.0),
         }
     }
@@ -194,15 +202,38 @@ impl Object {
     pub fn normal(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> Vector3 {
         let in_object_space = |ray: &Ray| match &self.shape {
             Shape::Sphere(sphere) => sphere.normal(ray.at(hit.t)),
-            Shape::Plane(plane) => plane.normal,
+            Shape::Plane(plane) => plane.shading_normal,
             Shape::Triangle(triangle) => triangle.normal,
             Shape::Mesh(mesh) => meshes[*mesh as usize].normal(hit.triangle, hit.barycentric),
         };
         match &self.placement {
             None => in_object_space(ray),
-            Some(placement) => {
-                (placement.normal_to_world * in_object_space(&placement.ray_to_object(ray))).normalized()
+            Some(placement) => placement.normal_to_world(in_object_space(&placement.ray_to_object(ray))),
+        }
+    }
+
+    /// The point of the surface that a ray has hit, as well as it can be known.
+
+    pub fn surface_point(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> SurfacePoint {
+        let on_triangle = |corners: [Vector3; 3]| {
+            // Across a triangle without area there is no direction; towards the eye is as good as any.
+            let normal = face_normal(corners);
+            let normal = if normal == Vector3::ZERO { -ray.direction.normalized() } else { normal };
+            triangle_point(corners, hit.barycentric, normal)
+        };
+        let find = |near: Vector3| match &self.shape {
+            Shape::Sphere(sphere) => sphere.nearest_point(near),
+            Shape::Plane(plane) => plane.nearest_point(near),
+            Shape::Triangle(triangle) => on_triangle(triangle.corners),
+            Shape::Mesh(mesh) => on_triangle(meshes[*mesh as usize].corners(hit.triangle)),
+        };
+        let near = ray.at(hit.t);
+        match &self.placement {
+            None => {
+                let found = find(near);
+                SurfacePoint { point: found.point, normal: found.normal, gap: found.error }
             }
+            Some(placement) => placement.surface_point(near, find),
         }
     }
 }

@@ -6,12 +6,30 @@ use vecmath::{Real, Vector3};
 /// The points with `normal . point = offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
-    /// As the file gives it: of any length, and never turned towards the eye.
+    /// Of any length, and never turned towards the eye.
     pub normal: Vector3,
     pub offset: Real,
+    /// The normal that shading and pictures use.
+    pub shading_normal: Vector3,
 }
 
 impl Plane {
+    /// A plane that is shaded with its normal as given, as the starter does, or with the unit vector of it.
+    ///
+    /// Normals so long or short that products with them would leave the range of numbers are scaled by a power of
+    /// two, and the offset with them: the same plane, to the last bit.
+    pub fn new(normal: Vector3, offset: Real, shade_with_unit_normal: bool) -> Self {
+        const USUAL: std::ops::RangeInclusive<Real> = 1e-30..=1e30;
+        let longest = normal.max_abs();
+        let shading_normal = if shade_with_unit_normal { normal.normalized() } else { normal };
+        if USUAL.contains(&longest) || longest == 0.0 {
+            return Self { normal, offset, shading_normal };
+        }
+        // In two steps, for a power of two may itself be too large.
+        let half = (2.0 as Real).powi((longest.log2() / -2.0).round() as i32);
+        Self { normal: normal * half * half, offset: offset * half * half, shading_normal }
+    }
+
     /// t of the ray's point on the plane, if t > 0. A parallel ray gives an infinite or NaN t: a miss.
     pub fn hit(&self, ray: &Ray) -> Option<Real> {
         let t = (self.offset - self.normal.dot(ray.origin)) / self.normal.dot(ray.direction);
@@ -25,13 +43,30 @@ mod tests {
 
     fn hit(normal: [Real; 3], offset: Real, direction: [Real; 3]) -> Option<Real> {
         let origin = Vector3::new(0.0, 3.0, 0.0);
-        Plane { normal: normal.into(), offset }.hit(&Ray { origin, direction: direction.into() })
+        Plane::new(normal.into(), offset, false).hit(&Ray { origin, direction: direction.into() })
     }
 
     #[test]
     fn the_offset_is_along_the_normal_as_given() {
         assert_eq!(hit([0.0, 1.0, 0.0], -2.0, [0.0, -1.0, 0.0]), Some(5.0));
         assert_eq!(hit([0.0, 2.0, 0.0], -2.0, [0.0, -1.0, 0.0]), Some(4.0));
+    }
+
+    #[test]
+    fn the_length_of_the_normal_may_be_anything() {
+        for power in [-140, -60, 0, 60, 120] {
+            let scale = (2.0 as Real).powi(power);
+            let found = hit([0.0, scale, 0.5 * scale], -2.0 * scale, [0.0, -1.0, 0.25]);
+            assert_eq!(found, hit([0.0, 1.0, 0.5], -2.0, [0.0, -1.0, 0.25]), "2^{power}");
+        }
+    }
+
+    #[test]
+    fn only_shading_asks_for_a_unit_normal() {
+        let normal = Vector3::new(0.0, 4.0, 0.0);
+        let (given, unit) = (Plane::new(normal, 8.0, false), Plane::new(normal, 8.0, true));
+        assert_eq!((given.shading_normal, unit.shading_normal), (normal, normal / 4.0));
+        assert_eq!((unit.normal, unit.offset), (given.normal, given.offset));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! [`Triangle`], and the one test that decides whether a ray hits a triangle: of a scene or of a mesh.
 
 use super::{Aabb, PreparedRay};
+use crate::render::robust::ROUNDING;
 use vecmath::{Real, Vector3};
 
 /// Where a ray meets a triangle.
@@ -18,8 +19,9 @@ pub struct TriangleHit {
 /// rounding keeps the order of the two products; swapping an edge's ends swaps the sign and nothing else. So of two
 /// triangles that share an edge at least one is hit by a ray between them.
 ///
-/// The hit is never nearer than the triangle's bounding box: for a triangle seen edge-on the division loses its
-/// digits, and a t in front of the box would escape a search that skips boxes by distance.
+/// The ray must also meet the triangle's bounding box, and t lies inside it. For a triangle seen edge-on all three
+/// functions are nothing but rounding: the ray may lie in its plane and pass beside it, and the division has no
+/// digits. What the box says would otherwise depend on whether a search asks for the box.
 pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<TriangleHit> {
     let [a, b, c] = corners.map(|corner| ray.sheared.apply(corner - ray.ray.origin));
     let u = c.x * b.y - c.y * b.x;
@@ -33,27 +35,45 @@ pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<Triangle
     }
     let barycentric = [u / determinant, v / determinant, w / determinant];
     let t = barycentric[0] * a.z + barycentric[1] * b.z + barycentric[2] * c.z;
-    let t = t.max(box_entry(ray, corners));
+    let (near, far) = box_interval(ray, corners)?;
+    let t = t.min(far).max(near);
     (t > 0.0).then_some(TriangleHit { t, barycentric })
 }
 
-/// Where the ray enters the box of three points, without the question of whether it does.
-fn box_entry(ray: &PreparedRay, corners: [Vector3; 3]) -> Real {
+/// Of the coordinates: moving a corner to the ray's origin and shearing it has 6 u of either.
+const BOX_ROUNDINGS: Real = 32.0;
+
+/// Where the line of the ray enters and leaves the box of three points, if it meets it. Near an edge of the box it may
+/// leave, by rounding, before it enters.
+fn box_interval(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<(Real, Real)> {
     let [a, b, c] = corners;
     let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-    (0..3).fold(Real::NEG_INFINITY, |near, axis| {
-        let inverse = ray.inverse_direction[axis];
-        let face = if inverse >= 0.0 { min[axis] } else { max[axis] };
-        // `max` passes over NaN: a ray in the plane of a face.
-        near.max((face - ray.ray.origin[axis]) * inverse)
-    })
+    let interval = |margin: Real| {
+        let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
+        for axis in 0..3 {
+            let inverse = ray.inverse_direction[axis];
+            let low = (min[axis] - ray.ray.origin[axis] - margin) * inverse;
+            let high = (max[axis] - ray.ray.origin[axis] + margin) * inverse;
+            let (enter, leave) = if inverse >= 0.0 { (low, high) } else { (high, low) };
+            // `max` and `min` pass over NaN: a ray in the plane of a face.
+            near = near.max(enter);
+            far = far.min(leave);
+        }
+        (near, far)
+    };
+    let (near, far) = interval(0.0);
+    let meets = near <= far || {
+        let (near, far) = interval(BOX_ROUNDINGS * ROUNDING * ray.reach.max(min.max_abs()).max(max.max_abs()));
+        near <= far
+    };
+    meets.then_some((near, far))
 }
 
 /// A triangle of the scene file, with a flat normal.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     pub corners: [Vector3; 3],
-    /// Unit vector; zero for a triangle without area, which no ray hits.
+    /// Unit vector; zero for a triangle without area.
     pub normal: Vector3,
 }
 
@@ -62,8 +82,8 @@ impl Triangle {
         Self { corners, normal: face_normal(corners) }
     }
 
-    pub fn hit(&self, ray: &PreparedRay) -> Option<Real> {
-        triangle_hit(ray, self.corners).map(|hit| hit.t)
+    pub fn hit(&self, ray: &PreparedRay) -> Option<TriangleHit> {
+        triangle_hit(ray, self.corners)
     }
 
     pub fn bounds(&self) -> Aabb {

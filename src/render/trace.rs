@@ -1,5 +1,6 @@
 //! What one ray sees: the heart of the program.
 
+use super::robust::{Departure, Epsilon, shadow_limit};
 use crate::accel::Hit;
 use crate::light::Illumination;
 use crate::material::mirrored;
@@ -8,10 +9,6 @@ use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
 use vecmath::{Real, Vector3};
-
-/// Shadow and mirror rays start this far from the surface: in world units, times the length of their direction. The
-/// course's pictures depend on it.
-const RAY_OFFSET: Real = 0.01;
 
 /// What a camera ray saw.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,6 +27,8 @@ pub struct Tracer<'a> {
     plan: &'a Plan,
     /// Weights never grow on their way from mirror to mirror.
     weights_never_grow: bool,
+    /// How far along themselves shadow and mirror rays start, if that is how they do.
+    epsilon: Real,
     pub counts: RayCounts,
     batch: Batch,
 }
@@ -41,6 +40,8 @@ struct Batch {
     hits: Vec<Option<Hit>>,
     paths: Vec<Path>,
     surfaces: Vec<Surface>,
+    /// One a surface, where rays start just off it; none where they start at a fixed distance.
+    departures: Vec<Departure>,
     shadow_rays: Vec<(Ray, Real)>,
     /// For each shadow ray: the surface, and what the light adds to it if nothing is in the way.
     shadowed: Vec<(usize, Vector3)>,
@@ -68,7 +69,11 @@ struct Surface {
 impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, plan: &'a Plan) -> Self {
         let weights_never_grow = scene.materials.iter().all(|material| material.specular.max_abs() <= 1.0);
-        Self { scene, plan, weights_never_grow, counts: RayCounts::default(), batch: Batch::default() }
+        let epsilon = match plan.epsilon {
+            Epsilon::Along(epsilon) => epsilon as Real,
+            Epsilon::Auto => 0.0,
+        };
+        Self { scene, plan, weights_never_grow, epsilon, counts: RayCounts::default(), batch: Batch::default() }
     }
 
     /// What rays from the camera see, one entry of `seen` for each. Rays that lie side by side are best asked about
@@ -106,10 +111,10 @@ impl<'a> Tracer<'a> {
             let last = bounces == 0;
             bounces = bounces.saturating_sub(1);
             batch.rays.clear();
-            let mut surfaces = batch.surfaces.iter();
+            let mut surfaces = batch.surfaces.iter().enumerate();
             batch.paths.retain_mut(|path| {
                 // There is a surface for every path.
-                let Some(surface) = surfaces.next() else { return false };
+                let Some((index, surface)) = surfaces.next() else { return false };
                 let material = &self.scene.materials[surface.material as usize];
                 path.color += path.weight.scaled_by(surface.color);
                 let mut goes_on = !last && material.is_mirror();
@@ -118,8 +123,10 @@ impl<'a> Tracer<'a> {
                     goes_on = !self.no_longer_matters(path.color, path.weight, bounces);
                 }
                 if goes_on {
-                    let origin = surface.point + surface.reflected * RAY_OFFSET;
-                    batch.rays.push(Ray { origin, direction: surface.reflected });
+                    batch.rays.push(match batch.departures.get(index) {
+                        Some(departure) => departure.mirror_ray(surface.reflected, self.plan.robust),
+                        None => surface.mirror_ray(self.epsilon),
+                    });
                 } else {
                     seen[path.camera_ray].color = path.color;
                 }
@@ -135,8 +142,9 @@ impl<'a> Tracer<'a> {
 
     /// Ends the paths that leave the scene, and finds out where the other ones are.
     fn find_surfaces(&self, batch: &mut Batch, seen: &mut [Seen]) {
-        let Batch { rays, hits, paths, surfaces, .. } = batch;
+        let Batch { rays, hits, paths, surfaces, departures, .. } = batch;
         surfaces.clear();
+        departures.clear();
         let mut rays_and_hits = rays.iter().zip(hits);
         paths.retain(|path| {
             // There is a ray for every path.
@@ -146,8 +154,15 @@ impl<'a> Tracer<'a> {
                 return false;
             };
             let normal = self.normal(ray, hit);
+            let mut point = ray.at(hit.at.t);
+            if self.plan.epsilon == Epsilon::Auto {
+                let object = &self.scene.objects[hit.object as usize];
+                let surface = object.surface_point(&self.scene.meshes, ray, &hit.at);
+                point = surface.point;
+                departures.push(Departure::new(ray, surface));
+            }
             surfaces.push(Surface {
-                point: ray.at(hit.at.t),
+                point,
                 normal,
                 reflected: mirrored(ray.direction, normal),
                 material: self.scene.objects[hit.object as usize].material,
@@ -183,7 +198,11 @@ impl<'a> Tracer<'a> {
                     // Blocked or not, this light adds nothing.
                     self.counts.shadow_left_out += u64::from(self.plan.shadows);
                 } else if self.plan.shadows {
-                    batch.shadow_rays.push(shadow_ray(surface.point, &illumination));
+                    batch.shadow_rays.push(match (batch.departures.get(index), self.plan.robust) {
+                        (Some(departure), true) => departure.shadow_ray(light),
+                        (Some(departure), false) => departure.plain_shadow_ray(&illumination),
+                        (None, robust) => shadow_ray(surface.point, &illumination, self.epsilon, robust),
+                    });
                     batch.shadowed.push((index, added));
                 } else {
                     surface.color += added;
@@ -222,9 +241,19 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// The ray from a point to a light, and how far it goes. The distance is measured from the moved origin, as in the
-/// starter: something up to one offset behind the light blocks it too.
-fn shadow_ray(point: Vector3, illumination: &Illumination) -> (Ray, Real) {
+impl Surface {
+    /// The mirror ray that starts `epsilon` along itself.
+    fn mirror_ray(&self, epsilon: Real) -> Ray {
+        Ray { origin: self.point + self.reflected * epsilon, direction: self.reflected }
+    }
+}
+
+/// The ray from a point to a light that starts `epsilon` along itself, and how far it goes. The distance is measured
+/// from the moved origin, as in the starter: something up to one offset behind the light blocks it too, unless with
+/// `-robust`.
+fn shadow_ray(point: Vector3, illumination: &Illumination, epsilon: Real, robust: bool) -> (Ray, Real) {
     let direction = illumination.to_light;
-    (Ray { origin: point + direction * RAY_OFFSET, direction }, illumination.distance)
+    let origin = point + direction * epsilon;
+    let distance = illumination.distance;
+    (Ray { origin, direction }, if robust { shadow_limit(origin, distance - epsilon) } else { distance })
 }

@@ -150,11 +150,18 @@ fn material(fields: &mut Fields, name: Token) -> Result<MaterialBlock, Error> {
     ];
     let mut material = MaterialBlock { diffuse: Vector3::splat(1.0), specular: Vector3::ZERO, shininess: 0.0 };
     let text = if name.text == "Material" { "Material" } else { "PhongMaterial" };
-    fields.block(Token { text, ..name }, KEYS, |fields, key, _| {
+    fields.block(Token { text, ..name }, KEYS, |fields, key, span| {
         match key {
             "diffuseColor" => material.diffuse = fields.vector3(key)?,
             "specularColor" => material.specular = fields.vector3(key)?,
-            "shininess" => material.shininess = fields.number(key)?,
+            "shininess" => {
+                material.shininess = fields.number(key)?;
+                if material.shininess < 0.0 {
+                    return Err(
+                        fields.error(span, "'shininess' must be 0 or above: a highlight would be infinite")
+                    );
+                }
+            }
             // The starter reads bump maps and does nothing with them.
             _ => drop(path_value(fields, key, "a file")?),
         }

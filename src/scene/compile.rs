@@ -3,6 +3,7 @@
 //! Every mistake that needs arithmetic or another file to be seen is reported here, at its place in the scene file.
 
 use super::description::{At, Description, Leaf, LightBlock, Node, ShapeBlock, TransformStep};
+use super::hints::Hints;
 use super::{Background, Scene, mesh_file};
 use crate::accel::Accelerator;
 use crate::camera::{Camera, CameraError};
@@ -37,10 +38,18 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         Some(path) if plan.cube_map => Some(CubeMap::open(&folder.join(&path.value))?),
         _ => None,
     };
-    let mut flattened =
-        Flattened { source, folder, objects: Vec::new(), meshes: Vec::new(), files: HashMap::new() };
+    let mut flattened = Flattened {
+        source,
+        folder,
+        plan,
+        objects: Vec::new(),
+        meshes: Vec::new(),
+        files: HashMap::new(),
+        hints: Hints::default(),
+    };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, .. } = flattened;
+    let Flattened { objects, meshes, hints, .. } = flattened;
+    hints.finish(plan, &objects, source, &mut warnings);
     let scene = Scene {
         camera,
         lights,
@@ -111,14 +120,12 @@ fn location(source: &SourceText, span: Span) -> String {
     format!("{}:{line}:{column}", source.path.display())
 }
 
-/// World bounds are larger than the objects by this share of their largest coordinate, which rounding on the way
-/// between object and world space does not reach.
-const BOUNDS_MARGIN: Real = 4096.0 * Real::EPSILON;
-
 /// The tree of objects as a list.
 struct Flattened<'a> {
     source: &'a Arc<SourceText>,
     folder: &'a Path,
+    plan: &'a Plan,
+    hints: Hints,
     objects: Vec<Object>,
     meshes: Vec<Mesh>,
     /// Meshes by their file.
@@ -145,8 +152,7 @@ impl Flattened<'_> {
         for step in steps {
             let matrix = step_matrix(&step.value).map_err(|message| self.source.error(step.span, message))?;
             if matrix.affine_inverse().is_err() {
-                let message = "this transformation squashes space flat: its matrix has no inverse";
-                return Err(self.source.error(step.span, message));
+                return Err(self.source.error(step.span, no_inverse("this transformation", &matrix)));
             }
             product = match step.value {
                 TransformStep::Matrix4f(_) => matrix * product,
@@ -161,18 +167,19 @@ impl Flattened<'_> {
         if bounds.is_some_and(|bounds| bounds.is_empty()) {
             return Ok(());
         }
+        if matches!(&shape, Shape::Triangle(triangle) if triangle.normal == Vector3::ZERO) {
+            self.hints.left_out(&location(self.source, leaf.span));
+            return Ok(());
+        }
         let placement = match world_from_object {
             None => None,
             Some(matrix) => Some(Box::new(Placement::new(matrix).map_err(|_| {
-                let message = "the transforms around this object squash space flat: their product has no inverse";
-                self.source.error(leaf.span, message)
+                self.source
+                    .error(leaf.span, no_inverse("the product of the transforms around this object", matrix))
             })?)),
         };
-        let bounds = bounds.map(|bounds| {
-            let world = world_from_object.map_or(bounds, |matrix| bounds.transformed(matrix));
-            world.grown(world.max_abs() * BOUNDS_MARGIN)
-        });
-        self.objects.push(Object { shape, placement, material: leaf.material, bounds });
+        self.hints.note(&location(self.source, leaf.span), &shape, world_from_object, bounds.as_ref());
+        self.objects.push(Object::new(shape, placement, leaf.material, bounds.as_ref()));
         Ok(())
     }
 
@@ -191,7 +198,7 @@ impl Flattened<'_> {
                 if normal.value == Vector3::ZERO {
                     return Err(self.source.error(normal.span, "'normal' has no length"));
                 }
-                (Shape::Plane(Plane { normal: normal.value, offset: *offset as Real }), None)
+                (Shape::Plane(Plane::new(normal.value, *offset as Real, self.plan.robust)), None)
             }
             ShapeBlock::Triangle { vertices } => {
                 let triangle = Triangle::new(*vertices);
@@ -220,6 +227,12 @@ impl Flattened<'_> {
         self.files.insert(path, index);
         Ok(index)
     }
+}
+
+/// Why a matrix is refused.
+fn no_inverse(what: &str, matrix: &Matrix4) -> String {
+    let condition = matrix.linear().condition_number();
+    format!("{what} squashes space flat: its matrix has no inverse (condition number {condition:.1e})")
 }
 
 /// The matrix of one step, or what is wrong with it.

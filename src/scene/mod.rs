@@ -8,6 +8,7 @@ mod blocks;
 pub mod compile;
 pub mod description;
 mod fields;
+mod hints;
 mod lexer;
 mod mesh_file;
 pub mod parser;

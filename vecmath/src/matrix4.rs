@@ -15,14 +15,7 @@ pub struct SingularMatrix;
 
 impl Matrix4 {
     /// Changes nothing.
-    pub const IDENTITY: Self = Self::affine(
-        Matrix3::from_columns(
-            Vector3::new(1.0, 0.0, 0.0),
-            Vector3::new(0.0, 1.0, 0.0),
-            Vector3::new(0.0, 0.0, 1.0),
-        ),
-        Vector3::ZERO,
-    );
+    pub const IDENTITY: Self = Self::affine(Matrix3::IDENTITY, Vector3::ZERO);
 
     /// The map p -> `linear` p + `offset`.
     pub const fn affine(linear: Matrix3, offset: Vector3) -> Self {

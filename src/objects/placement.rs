@@ -1,0 +1,112 @@
+//! [`Placement`]: where an object stands, and what rounding does on the way there and back.
+//!
+//! The definition of a placed object's surface is the set of world points that `object_from_world` takes to the
+//! object: that matrix, rounded as it is, decides every hit. `world_from_object` only says where to look.
+
+use super::surface::{NearestPoint, across};
+use super::{Aabb, Ray, SurfacePoint};
+use crate::render::robust::ROUNDING;
+use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, Vector3};
+
+/// Where an object stands, when it is not simply in world space.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    pub object_from_world: Matrix4,
+    world_from_object: Matrix4,
+    /// Takes normals from object to world space: the transpose of the linear part of `object_from_world`.
+    normal_to_world: Matrix3,
+    /// Going to object space and back moves a point p by at most `detour` |p| + `detour_offset`, in object space.
+    detour: Matrix3,
+    detour_offset: Vector3,
+    /// How much longer an error of rounding in object space is when seen from world space: the largest row sum of
+    /// |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the axes).
+    pub condition: Real,
+}
+
+/// A sum of three products and an offset: 4 u of the terms' absolute values.
+const TRANSFORM_ROUNDINGS: Real = 4.0;
+/// Taking a point to object space (4 u), once when its surface is looked for and once when a ray starts there, and the
+/// rounding of that point in world space (2 u).
+const PLACED_POINT_ROUNDINGS: Real = 2.0 * TRANSFORM_ROUNDINGS + 2.0;
+/// What a shape's own test may be off by, of the shape's coordinates, and more.
+const SHAPE_ROUNDINGS: Real = 64.0;
+
+impl Placement {
+    /// # Errors
+    /// [`SingularMatrix`] where `world_from_object` has no inverse, or none to working precision.
+    pub fn new(world_from_object: &Matrix4) -> Result<Self, SingularMatrix> {
+        let object_from_world = world_from_object.affine_inverse()?;
+        let (back, there) = (object_from_world.linear(), world_from_object.linear());
+        let [x, y, z] = (back * there).columns;
+        let [i, j, k] = Matrix4::IDENTITY.linear().columns;
+        let residual = Matrix3::from_columns(x - i, y - j, z - k).abs();
+        let rounding = back.abs() * there.abs();
+        let [r, s, t] = residual.columns;
+        let [u, v, w] = rounding.columns.map(|column| column * (TRANSFORM_ROUNDINGS * ROUNDING));
+        let detour = Matrix3::from_columns(r + u, s + v, t + w);
+        let offset = world_from_object.offset();
+        let terms = back.abs() * offset.map(Real::abs) + object_from_world.offset().map(Real::abs);
+        let detour_offset =
+            object_from_world.transform_point(offset).map(Real::abs) + terms * (TRANSFORM_ROUNDINGS * ROUNDING);
+        // The true inverse of `object_from_world` is within a factor of 2 of `world_from_object` below this (the
+        // series of (1 + detour)^-1).
+        if !(detour.row_sum_norm() < 0.5) {
+            return Err(SingularMatrix);
+        }
+        Ok(Self {
+            object_from_world,
+            world_from_object: *world_from_object,
+            normal_to_world: back.transposed(),
+            detour,
+            detour_offset,
+            condition: (there.abs() * back.abs()).row_sum_norm(),
+        })
+    }
+
+    /// The ray in object space. Its direction is not normalised, so that t means the same in both spaces.
+    pub fn ray_to_object(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.object_from_world.transform_point(ray.origin),
+            direction: self.object_from_world.transform_direction(ray.direction),
+        }
+    }
+
+    /// The unit normal in world space of a normal in object space.
+    pub fn normal_to_world(&self, normal: Vector3) -> Vector3 {
+        (self.normal_to_world * normal).normalized()
+    }
+
+    /// The box in world space of all points that rays can hit on a shape inside `bounds`.
+    ///
+    /// A world point whose image under `object_from_world`, rounded, is p lies where `world_from_object` puts p, give
+    /// or take what a detour and the roundings of p are as seen from world space.
+    pub fn bounds_to_world(&self, bounds: &Aabb) -> Aabb {
+        let world = bounds.transformed(&self.world_from_object);
+        let (p, x) = (bounds.corner_reach(), world.corner_reach());
+        let terms = self.object_from_world.linear().abs() * x + self.object_from_world.offset().map(Real::abs);
+        let moved = self.detour * p
+            + self.detour_offset
+            + terms * (2.0 * TRANSFORM_ROUNDINGS * ROUNDING)
+            + p * (SHAPE_ROUNDINGS * ROUNDING);
+        let there = self.world_from_object.linear().abs();
+        let rounding = there * p + self.world_from_object.offset().map(Real::abs);
+        world.grown_by(there * moved * 2.0 + rounding * (TRANSFORM_ROUNDINGS * ROUNDING))
+    }
+
+    /// The point of the surface near a world point `near`, given how to find it in object space.
+    pub(super) fn surface_point(&self, near: Vector3, find: impl FnOnce(Vector3) -> NearestPoint) -> SurfacePoint {
+        let image = self.object_from_world.transform_point(near);
+        let found = find(image);
+        // The step is short, so that the errors of the matrix which takes it count twice over.
+        let step = found.point - image;
+        let point = near + self.world_from_object.transform_direction(step);
+        let across_world = self.normal_to_world * found.normal;
+        let per_world_unit = across_world.length();
+        let terms = self.object_from_world.linear().abs() * point.map(Real::abs)
+            + self.object_from_world.offset().map(Real::abs);
+        let error = found.error
+            + PLACED_POINT_ROUNDINGS * ROUNDING * across(found.normal, terms)
+            + across(found.normal, self.detour * step.map(Real::abs));
+        SurfacePoint { point, normal: across_world / per_world_unit, gap: error / per_world_unit }
+    }
+}

@@ -1,0 +1,117 @@
+//! What the author of a scene should know about its numbers: where the starter's fixed distance of 0.01 does not fit,
+//! where a plane's normal is no unit vector, and where a matrix leaves few digits.
+//!
+//! One sentence for each kind, however many objects it is about; it names the first of them.
+
+use crate::error::SourceText;
+use crate::objects::{Aabb, Object, Shape};
+use crate::plan::Plan;
+use crate::render::robust::Epsilon;
+use vecmath::{Matrix4, Real, Vector3};
+
+/// The first object of each kind, and how many there are.
+#[derive(Default)]
+pub(super) struct Hints {
+    unnormalized_planes: Found,
+    thin_walls: Found,
+    nearly_singular: Found,
+    without_area: Found,
+}
+
+#[derive(Default)]
+struct Found {
+    count: usize,
+    first: String,
+}
+
+impl Found {
+    fn add(&mut self, place: &str, what: impl FnOnce() -> String) {
+        if self.count == 0 {
+            self.first = format!("{place}: {}", what());
+        }
+        self.count += 1;
+    }
+
+    fn sentence(&self, advice: &str) -> Option<String> {
+        let others = match self.count {
+            0 => return None,
+            1 => String::new(),
+            2 => " (and one more like it)".to_owned(),
+            n => format!(" (and {} more like it)", n - 1),
+        };
+        Some(format!("{}{others}{advice}", self.first))
+    }
+}
+
+/// With rays that start at 0.01, scenes of another size than this look wrong.
+const SIZES: std::ops::RangeInclusive<Real> = 1.0..=1e5;
+/// Rays from one side of a wall may start on its other side when it is thinner than twice the offset.
+const THIN: Real = 0.02;
+/// Half of the digits of an `f64` are lost.
+const NEARLY_SINGULAR: Real = 1e8;
+
+impl Hints {
+    /// Notes a triangle without area, which no ray can be seen to hit.
+    pub fn left_out(&mut self, place: &str) {
+        self.without_area.add(place, || "this triangle has no area and is left out".to_owned());
+    }
+
+    /// Looks at an object on its way into the scene.
+    pub fn note(&mut self, place: &str, shape: &Shape, matrix: Option<&Matrix4>, bounds: Option<&Aabb>) {
+        let condition = matrix.map_or(1.0, |matrix| matrix.linear().condition_number());
+        if condition > NEARLY_SINGULAR {
+            self.nearly_singular.add(place, || {
+                format!("the transforms around this object are nearly singular: condition number {condition:.1e}")
+            });
+        }
+        if let (Shape::Plane(plane), None) = (shape, matrix) {
+            let length = plane.shading_normal.length();
+            if (length - 1.0).abs() > 1e-6 {
+                self.unnormalized_planes.add(place, || {
+                    let length = length as f64;
+                    format!("the normal of this plane is not a unit vector (its length is {length:.4}), which the colours show")
+                });
+            }
+        }
+        let thickness = bounds.map_or(Real::INFINITY, |bounds| thickness(shape, bounds, matrix));
+        if thickness < THIN {
+            self.thin_walls.add(place, || {
+                format!("this object is only {:.1e} thick, and rays start 0.01 from a surface", thickness as f64)
+            });
+        }
+    }
+
+    /// Adds to `warnings` whatever matters for the pictures of `plan`.
+    pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, warnings: &mut Vec<String>) {
+        warnings.extend(self.without_area.sentence(""));
+        warnings.extend(self.nearly_singular.sentence(""));
+        if !plan.robust && (plan.color || plan.normals) {
+            warnings.extend(self.unnormalized_planes.sentence(": -robust takes it as one"));
+        }
+        if plan.epsilon != Epsilon::default() || !(plan.shadows || plan.bounces > 0) {
+            return;
+        }
+        let bounds = objects.iter().filter_map(|object| object.bounds).fold(Aabb::EMPTY, |a, b| a.union(&b));
+        let size = bounds.size().max_abs();
+        if !bounds.is_empty() && !SIZES.contains(&size) {
+            let (path, what) = (source.path.display(), if size < 1.0 { "small" } else { "large" });
+            warnings.push(format!(
+                "{path}: the scene is {what}, {:.1e} across, for rays that start 0.01 from a surface: -robust fits any size",
+                size as f64
+            ));
+        }
+        warnings.extend(self.thin_walls.sentence(": -robust fits any thickness"));
+    }
+}
+
+/// The smallest extent in world space of an object that has an inside, judged by its box: cheap, and right for spheres
+/// and for slabs however they are turned. A flat sheet has no inside.
+fn thickness(shape: &Shape, bounds: &Aabb, matrix: Option<&Matrix4>) -> Real {
+    if matches!(shape, Shape::Triangle(_) | Shape::Plane(_)) {
+        return Real::INFINITY;
+    }
+    let stretch = matrix.map_or([1.0; 3], |matrix| matrix.linear().columns.map(Vector3::length));
+    let size = bounds.size();
+    let least = (0..3).map(|axis| size[axis] * stretch[axis]).fold(Real::INFINITY, Real::min);
+    if least > 0.0 { least } else { Real::INFINITY }
+}

@@ -1,0 +1,197 @@
+//! Small scenes in memory, the ways in which each case must hold, and the record of what was measured.
+
+use a2::accel::Hit;
+use a2::args::{self, Request};
+use a2::film::Film;
+use a2::objects::{Ray, SurfacePoint};
+use a2::plan::Plan;
+use a2::render::trace::{Seen, Tracer};
+use a2::scene::compile::{Compiled, compile};
+use a2::scene::{Scene, parser};
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use vecmath::{Real, Vector3};
+
+/// u: the largest relative error of one rounding. In f64 whatever the build, so that bounds stay what they are.
+pub const U: f64 = f64::EPSILON / 2.0;
+
+/// How the program is asked to do what a case is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Added to the command line.
+    pub flags: &'static str,
+}
+
+impl Way {
+    pub fn robust(&self) -> bool {
+        self.flags.contains("-robust")
+    }
+}
+
+/// Every way in which a case must hold.
+pub fn ways() -> impl Iterator<Item = Way> {
+    ["", "-robust"].into_iter().map(|flags| Way { flags })
+}
+
+/// Notes what a case may be off by and what it is off by, and insists.
+pub fn check(case: &str, bound: f64, measured: f64) {
+    // Whole lines, from any thread.
+    static TABLE: Mutex<()> = Mutex::new(());
+    if let Some(path) = std::env::var_os("A2_NUMERICS_TABLE") {
+        let _guard = TABLE.lock();
+        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).unwrap();
+        file.write_all(format!("{case}\t{bound:e}\t{measured:e}\n").as_bytes()).unwrap();
+    }
+    assert!(measured <= bound, "{case}: {measured:e} is over {bound:e}");
+}
+
+/// The same for what is either so or not.
+pub fn check_that(case: &str, holds: bool) {
+    check(case, 0.0, f64::from(u8::from(!holds)));
+}
+
+/// A compiled scene.
+pub struct Studio {
+    pub scene: Scene,
+    pub plan: Plan,
+    pub warnings: Vec<String>,
+    request: args::RenderArgs,
+}
+
+pub fn vector(v: [f64; 3]) -> Vector3 {
+    Vector3::from(v.map(|x| x as Real))
+}
+
+pub fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+    Ray { origin: vector(origin), direction: vector(direction) }
+}
+
+/// A camera that no ray of a case comes from.
+pub const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }\n";
+
+/// A scene of objects with one white material, seen by [`CAMERA`].
+pub fn objects(objects: &str) -> String {
+    let count = objects.matches("Sphere {").count()
+        + objects.matches("Plane {").count()
+        + objects.matches("Triangle {").count()
+        + objects.matches("TriangleMesh {").count();
+    let nested = objects.contains("Transform {");
+    let count = if nested { objects.matches("Transform {").count() } else { count };
+    format!(
+        "{CAMERA}Materials {{ numMaterials 1 Material {{ }} }}\nGroup {{ numObjects {count} MaterialIndex 0\n{objects} }}\n"
+    )
+}
+
+impl Studio {
+    pub fn new(text: &str, flags: &str) -> Self {
+        Self::with_meshes(text, &[], flags)
+    }
+
+    /// A scene that names mesh files, which are given as name and content.
+    pub fn with_meshes(text: &str, meshes: &[(&str, &str)], flags: &str) -> Self {
+        Self::try_new(text, meshes, flags).unwrap_or_else(|message| panic!("{message}\n{text}"))
+    }
+
+    /// What the program says to a scene that it refuses.
+    pub fn refusal(text: &str) -> String {
+        match Self::try_new(text, &[], "") {
+            Ok(_) => panic!("not refused: {text}"),
+            Err(message) => message,
+        }
+    }
+
+    fn try_new(text: &str, meshes: &[(&str, &str)], flags: &str) -> Result<Self, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content) in meshes {
+            std::fs::write(folder.path().join(name), content).unwrap();
+        }
+        let path = match meshes.is_empty() {
+            true => PathBuf::from("s.txt"),
+            false => folder.path().join("s.txt"),
+        };
+        let request = request(&format!("-input s.txt -output c.png -normals n.png -depth 0 1 d.png {flags}"));
+        let source = a2::error::SourceText { path, text: text.to_owned() };
+        let description = parser::parse(source).map_err(|error| error.to_string())?;
+        let plan = Plan::new(&request, &description);
+        let Compiled { scene, warnings } = compile(&description, &plan).map_err(|error| error.to_string())?;
+        Ok(Self { scene, plan, warnings, request })
+    }
+
+    pub fn hit(&self, ray: &Ray) -> Option<Hit> {
+        self.scene.accelerator.closest_hit(&self.scene.objects, &self.scene.meshes, ray)
+    }
+
+    pub fn t(&self, ray: &Ray) -> Option<f64> {
+        self.hit(ray).map(|hit| f64::from(hit.at.t))
+    }
+
+    /// The nearest hit by asking every object.
+    pub fn hit_by_loop(&self, ray: &Ray) -> Option<Hit> {
+        let prepared = a2::objects::PreparedRay::new(*ray);
+        let mut closest: Option<Hit> = None;
+        for (index, object) in self.scene.objects.iter().enumerate() {
+            let limit = closest.map_or(a2::objects::T_MAX, |hit| hit.at.t);
+            if let Some(at) = object.closest_hit(&self.scene.meshes, &prepared, limit) {
+                closest = Some(Hit { object: index as u32, at });
+            }
+        }
+        closest
+    }
+
+    pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.scene.objects[hit.object as usize].surface_point(&self.scene.meshes, ray, &hit.at)
+    }
+
+    pub fn seen(&self, ray: &Ray) -> Seen {
+        let mut seen = Vec::new();
+        Tracer::new(&self.scene, &self.plan).see(&[*ray], &mut seen);
+        seen[0]
+    }
+
+    pub fn color(&self, ray: &Ray) -> [f64; 3] {
+        self.seen(ray).color.to_array().map(f64::from)
+    }
+
+    pub fn film(&self) -> Film {
+        struct Silent;
+        impl a2::render::Progress for Silent {
+            fn advance(&self, _: usize, _: usize) {}
+        }
+        a2::render::render(&self.scene, &self.plan, &self.request, &Silent).0
+    }
+}
+
+fn request(line: &str) -> args::RenderArgs {
+    match args::parse(line.split_whitespace().map(std::ffi::OsString::from)) {
+        Ok(Request::Render(request)) => *request,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+/// Random numbers for tests (SplitMix64): the same at every run.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// From -1 to 1.
+    pub fn signed(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    pub fn unit(&mut self) -> [f64; 3] {
+        loop {
+            let v = [self.signed(), self.signed(), self.signed()];
+            let length = v.map(|x| x * x).iter().sum::<f64>().sqrt();
+            if length > 0.1 && length < 1.0 {
+                return v.map(|x| x / length);
+            }
+        }
+    }
+}
