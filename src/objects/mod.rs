@@ -49,14 +49,14 @@ pub struct Object {
     pub material: u32,
     /// What encloses the object in world space; `None` for a plane, which nothing encloses.
     pub bounds: Option<Aabb>,
-    /// Rounding may move a ray sideways by this share of its origin's largest coordinate; `bounds` count as met by
-    /// a ray that passes them so closely. Zero for a sphere, which has no edge to share with a neighbour: there it
-    /// does not matter on which side of its outline the rounding falls.
+    /// Rounding on the way to object space may move a ray sideways by this share of its origin's largest coordinate;
+    /// `bounds` count as met by a ray that passes them so closely. Zero where there is no such way, for boxes allow
+    /// for their own rounding; and for a sphere, which has no edge to share with a neighbour.
     pub spread: Real,
 }
 
-/// Of the largest coordinate of a ray's origin: moving corners to it and shearing them (6 u), or taking it to object
-/// space (4 u, seen from world space as many times larger as the placement's condition says) and then that.
+/// Of the largest coordinate of a ray's origin, times the condition number of the placement: taking the ray to object
+/// space (4 u) and the test there (6 u), seen from world space.
 const SPREAD_ROUNDINGS: Real = 16.0;
 /// World bounds are larger than the objects by this share of their largest coordinate at least, so that no later
 /// rounding of bounds needs to be thought of.
@@ -85,10 +85,9 @@ impl Object {
             let world = placement.as_ref().map_or(*bounds, |placement| placement.bounds_to_world(bounds));
             world.grown(world.max_abs() * BOUNDS_MARGIN)
         });
-        let condition = placement.as_ref().map_or(1.0, |placement| placement.condition.max(1.0));
-        let spread = match shape {
-            Shape::Sphere(_) => 0.0,
-            _ => SPREAD_ROUNDINGS * ROUNDING * condition,
+        let spread = match (&shape, &placement) {
+            (Shape::Sphere(_), _) | (_, None) => 0.0,
+            (_, Some(placement)) => SPREAD_ROUNDINGS * ROUNDING * placement.condition,
         };
         Self { shape, placement, material, bounds, spread }
     }

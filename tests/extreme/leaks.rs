@@ -149,16 +149,23 @@ fn nor_one_of_loose_triangles_however_far_the_eye() {
         }
         text += "}\n";
     }
+    let flush = |a: &[f64; 3], b: &[f64; 3]| (0..3).any(|axis| a[axis] == 0.0 && b[axis] == 0.0);
+    let near = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>() < 0.3;
+    let pairs = points.iter().flat_map(|a| points.iter().map(move |b| (*a, *b)));
+    let flush: Vec<_> = pairs.filter(|(a, b)| a != b && flush(a, b) && near(a, b)).collect();
     for (case, distance) in [("10", 10.0), ("1e4", 1e4), ("1e7", 1e7)] {
         for way in ways() {
             let studio = Studio::new(&objects(&text), way.flags);
             let mut random = Random(6);
             let mut leaks = 0;
             for _ in 0..20_000 {
-                let [a, b] = [0, 1].map(|_| points[random.bits() as usize % points.len()]);
-                let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]) * 0.7);
-                let from = random.unit().map(|x| distance * x);
-                let ray = Ray { origin: vector(from), direction: (vector(middle) - vector(from)).normalized() };
+                // A point of a seam in a coordinate plane, where boxes end flush, seen from outside.
+                let (a, b) = flush[random.bits() as usize % flush.len()];
+                let share = 0.5 + 0.45 * random.signed();
+                let to = [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]));
+                let aside = random.unit();
+                let from = [0, 1, 2].map(|i| distance * (to[i] + 0.5 * aside[i]));
+                let ray = Ray { origin: vector(from), direction: (vector(to) - vector(from)).normalized() };
                 leaks += u32::from(studio.hit(&ray).is_none());
             }
             check(
@@ -166,6 +173,39 @@ fn nor_one_of_loose_triangles_however_far_the_eye() {
                 0.0,
                 f64::from(leaks),
             );
+        }
+    }
+}
+
+#[test]
+fn nor_a_flat_wall_of_two_objects() {
+    // Two triangles in one plane that share an edge along an axis: their bounds are flat and end flush. From far away the
+    // rounded corners say one triangle and the exact ray the bounds of the other.
+    let wall = "Triangle { vertex0 0 -1 0 vertex1 0 1 0 vertex2 -1 0 0 } Triangle { vertex0 0 1 0 vertex1 0 -1 0 vertex2 1 0 0 }";
+    let sheared = format!(
+        "Transform {{ Matrix4f {{ 1 0 0 0  0 1 0 0  1000 0 1 0  0 0 0 1 }} Group {{ numObjects 2 {wall} }} }}"
+    );
+    for (case, text, distance) in [
+        ("flat wall of two triangles from 10 away", wall, 10.0),
+        ("flat wall of two triangles from 1e8 away", wall, 1e8),
+        ("sheared wall of two triangles from 10 away", &sheared, 10.0),
+        ("sheared wall of two triangles from 1e8 away", &sheared, 1e8),
+    ] {
+        for way in ways() {
+            let studio = Studio::new(&objects(text), way.flags);
+            let mut random = Random(14);
+            let mut leaks = 0;
+            for _ in 0..20_000 {
+                let away = random.unit();
+                let from = vector(away.map(|x| x * distance));
+                let to = vector([distance * 1e-13 * random.signed(), 0.5 * random.signed(), 0.0]);
+                if away[2].abs() > 0.1 {
+                    leaks += u32::from(
+                        studio.hit(&Ray { origin: from, direction: (to - from).normalized() }).is_none(),
+                    );
+                }
+            }
+            check(&format!("{case}: leaks in 20,000"), 0.0, f64::from(leaks));
         }
     }
 }

@@ -48,8 +48,8 @@ fn keeps_its_promise(case: &str, studio: &Studio, surface: &SurfacePoint, height
     let gap = q(f64::from(surface.gap));
     let off = height(&v(surface.point)).abs();
     check(&format!("{case}: distance of the point from the surface, of its gap"), 1.0, f(&(off / &gap)));
-    for side in [-1.0, 1.0] {
-        let direction = surface.normal * side;
+    for side in [-1.0, 1.0_f64] {
+        let direction = surface.normal * side as vecmath::Real;
         let origin = surface.beside(direction);
         let wrong = (height(&v(origin)) * q(side)) <= q(0.0);
         check(&format!("{case}: origins on the wrong side"), 0.0, f64::from(u8::from(wrong)));
@@ -161,7 +161,7 @@ proptest! {
 /// Spheres, a floor and triangles, of a size and in an order.
 fn still_life(scale: f64, reversed: bool) -> String {
     let s = |x: f64| format!("{:e}", x * scale);
-    let mut members = vec![
+    let mut members = [
         format!("Sphere {{ center {} {} {} radius {} }}", s(-1.0), s(0.5), s(0.25), s(0.5)),
         format!("Sphere {{ center {} {} {} radius {} }}", s(0.75), s(0.25), s(0.5), s(0.25)),
         format!("Plane {{ normal 0 1 0 offset {} }}", s(-0.125)),

@@ -90,27 +90,25 @@ fn corners_and_edges_belong_to_it() {
 
 #[test]
 fn in_its_own_plane_a_ray_that_passes_beside_misses() {
-    // Seen edge-on, all edge functions are rounding; the bounding box says what they cannot. The ray passes half an
-    // edge's length beside the triangle, in its plane as well as numbers can say so.
+    // Seen edge-on, all edge functions are rounding, and often two of them are exactly zero: the closed test would count
+    // that as a corner. The ray passes well beside the triangle and its box, in its plane as well as numbers can say so.
     let mut random = Random(3);
-    for way in ways() {
-        let mut false_hits = 0;
-        for _ in 0..500 {
-            let (e1, e2, at) = (random.unit(), random.unit(), random.unit());
-            let point = |x: f64, y: f64| [0, 1, 2].map(|i| at[i] + x * e1[i] + y * e2[i]);
-            let corners = [point(0.0, 0.0), point(1.0, 0.0), point(0.0, 1.0)];
-            let studio = Studio::new(&objects(&text(corners)), way.flags);
-            // Outside the box as well: seen from corner 0 away from the triangle.
-            let ray = Ray {
-                origin: vector(point(-2.0, -2.0)),
-                direction: vector([0, 1, 2].map(|i| e1[i] - e2[i])).normalized(),
-            };
-            let bounds = studio.scene.objects[0].bounds.unwrap();
-            let passes = bounds.entry(&a2::objects::PreparedRay::new(ray), 1e-9, a2::objects::T_MAX).is_none();
-            false_hits += u32::from(passes && studio.t(&ray).is_some());
+    let (mut false_hits, mut edge_on) = (0, 0);
+    for _ in 0..20_000 {
+        let (e1, e2, at) = (random.unit(), random.unit(), random.unit());
+        let point = |x: f64, y: f64| vector([0, 1, 2].map(|i| at[i] + x * e1[i] + y * e2[i]));
+        let corners = [point(0.0, 0.0), point(1.0, 0.0), point(0.0, 1.0)];
+        let from = point(-2.0, -2.0);
+        let ray = Ray { origin: from, direction: (point(2.0, -3.0) - from).normalized() };
+        let prepared = a2::objects::PreparedRay::new(ray);
+        let bounds = a2::objects::Aabb::of_points(corners);
+        if bounds.entry(&prepared, 1e-9, a2::objects::T_MAX).is_none() {
+            edge_on += 1;
+            false_hits += u32::from(a2::objects::triangle_hit(&prepared, corners).is_some());
         }
-        check("rays in a triangle's plane and beside it: hits", 0.0, f64::from(false_hits));
     }
+    assert!(edge_on > 5000, "{edge_on}");
+    check("20,000 rays in a triangle's plane and beside its box: hits", 0.0, f64::from(false_hits));
 }
 
 #[test]
