@@ -22,7 +22,7 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
     );
     let ball = ball(3, 0);
     let meshes = [("ball.obj", ball.as_str()), ("cube.obj", CUBE)];
-    let studio = Studio::with_meshes(&scene, &meshes, &format!("-shadows {}", way.flags));
+    let studio = Studio::with_meshes(&scene, &meshes, &format!("-shadows {}", way.flags)).at(way);
     let mut random = Random(21);
     let mut wrong = 0;
     for _ in 0..4000 {

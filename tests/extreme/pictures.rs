@@ -10,7 +10,7 @@ use vecmath::Real;
 fn one_pixel_wide_or_high() {
     let scene = objects("Sphere { center 0 0 0 radius 1 }");
     for way in ways() {
-        let film = |size: &str| Studio::new(&scene, &format!("-size {size} {}", way.flags)).film();
+        let film = |size: &str| Studio::new(&scene, &format!("-size {size} {}", way.flags)).at(way).film();
         let lone = film("1 1").color.unwrap();
         check_that("1 x 1: the middle of the picture", lone == film("3 3").color.unwrap()[12..15]);
         let (row, column) = (film("5 1"), film("1 5"));
@@ -31,7 +31,7 @@ fn one_pixel_wide_or_high() {
 fn sixty_five_thousand_pixels_wide() {
     let scene = objects("Sphere { center 0 0 0 radius 1 }");
     for way in ways() {
-        let film = Studio::new(&scene, &format!("-size 65536 1 {}", way.flags)).film();
+        let film = Studio::new(&scene, &format!("-size 65536 1 {}", way.flags)).at(way).film();
         let bytes = film.depth.unwrap();
         // Left and right are mirror images: the sphere's outline is where the other side's is.
         check_that("65,536 x 1: symmetric", bytes.iter().eq(bytes.iter().rev()));
@@ -128,7 +128,7 @@ fn far_from_the_origin_pictures_are_the_same() {
     };
     for way in ways() {
         let flags = format!("-size 64 64 -depth 3 7 d.png {}", way.flags);
-        let film = |shift: f64| Studio::new(&scene(shift), &flags).film();
+        let film = |shift: f64| Studio::new(&scene(shift), &flags).at(way).film();
         for (case, shift) in [("2^20", 1048576.0), ("-2^30", -1073741824.0)] {
             check_that(
                 &format!("scene moved by {case}: the same depth picture"),

@@ -32,7 +32,7 @@ fn hits_lie_on_the_plane_at_every_angle() {
         ("plane with a normal of length 1e-200", [6e-201, 6.4e-201, -4.8e-201], 2e-200, 0.3),
     ] {
         for way in ways() {
-            let studio = Studio::new(&plane(normal, offset), way.flags);
+            let studio = Studio::new(&plane(normal, offset), way.flags).at(way);
             let n = vector(normal).normalized();
             let along = Vector3::new(0.3, 0.2, 0.9).cross(n).normalized();
             let towards = n * if offset < 0.0 { -1.0 } else { 1.0 };
@@ -50,7 +50,7 @@ fn hits_lie_on_the_plane_at_every_angle() {
 #[test]
 fn through_the_eye_and_parallel_it_is_not_seen() {
     for way in ways() {
-        let studio = Studio::new(&plane([0.0, 1.0, 0.0], 0.0), way.flags);
+        let studio = Studio::new(&plane([0.0, 1.0, 0.0], 0.0), way.flags).at(way);
         let level = [ray([3.0, 0.0, 5.0], [0.0, 0.0, -1.0]), ray([3.0, 0.0, 5.0], [1.0, 0.0, 0.0])];
         check_that("plane through the eye: no hit along it", level.iter().all(|ray| studio.t(ray).is_none()));
         let leaving = [ray([0.0, 0.0, 5.0], [0.6, -0.8, 0.0]), ray([0.0, -0.0, 5.0], [0.6, 0.8, -0.0])];

@@ -36,7 +36,7 @@ fn along_the_axes_a_cube_is_closed() {
     // Every axis-parallel ray through edges, corners, diagonals and the middle meets the closed cube at 1.
     let scene = objects("TriangleMesh { obj_file cube.obj }");
     for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags);
+        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags).at(way);
         let mut wrong = 0;
         for axis in 0..3 {
             for (u, v) in [(0.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (0.0, -1.0), (0.5, 0.5), (-0.25, 0.75)]
@@ -60,7 +60,7 @@ fn what_is_no_number_hits_nothing() {
         Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 } TriangleMesh { obj_file cube.obj }",
     );
     for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags);
+        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags).at(way);
         let mut hits = 0;
         for bad in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
             for place in 0..6 {
@@ -86,7 +86,7 @@ fn what_is_no_number_hits_nothing() {
 #[test]
 fn beyond_the_largest_float_nothing_is_hit() {
     for way in ways() {
-        let studio = Studio::new(&objects("Plane { normal 0 1 0 offset -1 }"), way.flags);
+        let studio = Studio::new(&objects("Plane { normal 0 1 0 offset -1 }"), way.flags).at(way);
         // Just under and just over the largest f32, where the starter's search for the nearest hit begins.
         let t = |slope: f64| studio.t(&ray([0.0, 0.0, 0.0], [1.0, -slope, 0.0]));
         check_that("hit at a distance of 3.3e38: counts", t(1.0 / 3.3e38).is_some());
@@ -111,7 +111,7 @@ fn the_tree_and_the_loop_say_the_same() {
     }
     let scene = objects(&text);
     for way in ways() {
-        let studio = Studio::new(&scene, way.flags);
+        let studio = Studio::new(&scene, way.flags).at(way);
         let mut random = super::support::Random(4);
         let mut different = 0;
         for i in 0..20_000 {

@@ -26,7 +26,8 @@ fn shininess_from_nothing_to_everything() {
         let highlight = |shininess: &str, slant: f64| {
             let scene =
                 floor(&format!("diffuseColor 0 0 0 specularColor 1 1 1 shininess {shininess}"), FROM_ABOVE, 1);
-            Studio::new(&scene, way.flags).color(&ray([0.0, 2.0, 0.0], [slant.sin(), -slant.cos(), 0.0]))[0]
+            Studio::new(&scene, way.flags).at(way).color(&ray([0.0, 2.0, 0.0], [slant.sin(), -slant.cos(), 0.0]))
+                [0]
         };
         check_that("shininess 0: the highlight is everywhere", highlight("0", 1.2) == 1.0);
         for shininess in ["1", "1e3", "1e10", "1e30"] {
@@ -52,7 +53,8 @@ fn a_light_in_a_surface() {
     // It lies in the floor: there the light grazes, and in its own place it gives none; nothing is NaN.
     for way in ways() {
         let lamp = "PointLight { position 0.5 0 0 color 1 1 1 falloff 1 }";
-        let studio = Studio::new(&floor("diffuseColor 1 1 1", lamp, 1), &format!("-shadows {}", way.flags));
+        let studio =
+            Studio::new(&floor("diffuseColor 1 1 1", lamp, 1), &format!("-shadows {}", way.flags)).at(way);
         check_that("light in the floor: no light along it", studio.color(&down(0.0)) == [0.0; 3]);
         check_that("light in the floor: none in its own place", studio.color(&down(0.5)) == [0.0; 3]);
     }
@@ -66,7 +68,7 @@ fn a_light_on_a_body_lights_the_others() {
         .replace("numObjects 1", "numObjects 2 ")
         .replace("offset 0 } }", "offset 0 } Sphere { center 0 1.7 0 radius 0.7 } }");
     for way in ways() {
-        let studio = Studio::new(&scene, &format!("-shadows {}", way.flags));
+        let studio = Studio::new(&scene, &format!("-shadows {}", way.flags)).at(way);
         let lit = (0..100)
             .filter(|&i| studio.color(&ray([0.8, 0.5, 0.0], [f64::from(i) * 0.01 - 0.9, -0.5, 0.01])) != [0.0; 3])
             .count();
@@ -86,7 +88,7 @@ fn what_is_behind_a_light_casts_no_shadow() {
         .replace("numObjects 1", "numObjects 2 ")
         .replace("offset 0 } }", "offset 0 } Plane { normal 0 -1 0 offset -1.005 } }");
     for way in ways() {
-        let studio = Studio::new(&scene, &format!("-shadows {}", way.flags));
+        let studio = Studio::new(&scene, &format!("-shadows {}", way.flags)).at(way);
         let lit = studio.color(&ray([0.1, 0.9, 0.0], [0.0, -1.0, 0.0])) != [0.0; 3];
         check_that(
             "ceiling 0.005 behind a lamp: lit with -robust, dark as the starter has it",
@@ -102,7 +104,7 @@ fn falloff_from_nothing_to_everything() {
             format!("PointLight {{ position 0 1 0 color {color} falloff {falloff} }}")
         };
         let seen = |material: &str, falloff: &str, color: &str| {
-            Studio::new(&floor(material, &light(falloff, color), 1), way.flags).color(&down(0.0))
+            Studio::new(&floor(material, &light(falloff, color), 1), way.flags).at(way).color(&down(0.0))
         };
         let white = "diffuseColor 1 1 1 specularColor 1 1 1";
         check_that("falloff 0: infinite light", seen(white, "0", "1 1 1") == [f64::INFINITY; 3]);
@@ -125,14 +127,14 @@ fn colours_that_no_screen_can_show() {
             let scene =
                 floor("diffuseColor 1 1 1", &format!("DirectionalLight {{ direction 0 -1 0 color {color} }}"), 1)
                     .replace("center 0 0 5 direction 0 0 -1 up 0 1 0", "center 0 5 0 direction 0 -1 0 up 0 0 1");
-            Studio::new(&scene, &format!("-size 1 1 {}", way.flags)).film().color.unwrap()
+            Studio::new(&scene, &format!("-size 1 1 {}", way.flags)).at(way).film().color.unwrap()
         };
         check_that("colour 1e30 0.5 -1: bytes 255 127 0", byte("1e30 0.5 -1") == [255, 127, 0]);
         check_that("colour 1e308 twice as bright: 255", byte("1.7e308 1 0") == [255, 255, 0]);
         let lights = "PointLight { position 0 1 0 color 1 1 1 } PointLight { position 0 2 0 color -1 1 0 }";
         let scene = floor("diffuseColor 1 1 1 specularColor 1 1 1", lights, 2)
             .replace("center 0 0 5 direction 0 0 -1 up 0 1 0", "center 0 5 0 direction 0 -1 0 up 0 0 1");
-        let bytes = Studio::new(&scene, &format!("-size 1 1 {}", way.flags)).film().color.unwrap();
+        let bytes = Studio::new(&scene, &format!("-size 1 1 {}", way.flags)).at(way).film().color.unwrap();
         check_that("infinite light less infinite light: black", bytes[0] == 0 && bytes[1] == 255);
     }
 }
@@ -152,7 +154,7 @@ fn two_mirrors_and_a_hundred_thousand_bounces() {
         let exact =
             if s == 1.0 { 0.25 * f64::from(n + 1) } else { 0.25 * (1.0 - f64::powi(s, n + 1)) / (1.0 - s) };
         for way in ways() {
-            let studio = Studio::new(&scene, &format!("-bounces {n} {}", way.flags));
+            let studio = Studio::new(&scene, &format!("-bounces {n} {}", way.flags)).at(way);
             let error = (studio.color(&ray([0.0, 0.0, 0.0], [0.0, -1.0, 0.0]))[0] / exact - 1.0).abs();
             check(&format!("100,000 bounces between mirrors of {case}: error of the series, u"), 2e5, error / U);
         }
@@ -190,7 +192,7 @@ fn normals_without_length_are_black_not_nan() {
     let obj = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n";
     for way in ways() {
         let scene = super::support::objects("TriangleMesh { obj_file m.obj }");
-        let studio = Studio::with_meshes(&scene, &[("m.obj", obj)], way.flags);
+        let studio = Studio::with_meshes(&scene, &[("m.obj", obj)], way.flags).at(way);
         let seen = studio.seen(&ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]));
         check_that(
             "mesh normals that cancel out: the face's own",
@@ -220,7 +222,7 @@ fn cameras_that_see_nothing_are_refused_with_a_reason() {
                 "center 0 0 5 direction 0 0 -1 up 0 1 0",
                 &format!("center 0 1 0 direction {direction} up {up}"),
             );
-            Studio::new(&scene, &format!("-size 8 8 {}", way.flags)).film().color
+            Studio::new(&scene, &format!("-size 8 8 {}", way.flags)).at(way).film().color
         };
         let usual = film("0 -0.5 -1", "0 1 0");
         check_that(

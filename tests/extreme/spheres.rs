@@ -6,7 +6,7 @@
 //! |f| a coordinate, which is as much across the surface.
 
 use super::exact::{at, dot, f, q, size, sqrt, sub, v};
-use super::support::{Random, Studio, U, check, check_that, objects, ray, vector, ways};
+use super::support::{Random, Studio, U, Way, check, check_that, objects, ray, vector, ways};
 use a2::objects::Ray;
 
 const ROUNDINGS: f64 = 16.0;
@@ -26,8 +26,8 @@ fn height(ray: &Ray, t: Option<f64>, center: [f64; 3], radius: f64) -> f64 {
 }
 
 /// Random rays from around `origin` to points inside the sphere; the worst height of a hit.
-fn worst_height(center: [f64; 3], radius: f64, origin: [f64; 3], flags: &str) -> f64 {
-    let studio = Studio::new(&sphere(center, radius), flags);
+fn worst_height(center: [f64; 3], radius: f64, origin: [f64; 3], way: Way) -> f64 {
+    let studio = Studio::new(&sphere(center, radius), way.flags).at(way);
     let mut random = Random(7);
     let mut worst: f64 = 0.0;
     for _ in 0..300 {
@@ -54,7 +54,7 @@ fn of_every_size_from_every_distance() {
         ("sphere of radius 1e9 from inside", [0.0, 0.0, 0.0], 1e9, [5e8, 0.0, 0.0]),
     ] {
         for way in ways() {
-            let worst = worst_height(center, radius, origin, way.flags);
+            let worst = worst_height(center, radius, origin, way);
             check(&format!("{case}: height of hits, u (distance + radius)"), ROUNDINGS, worst);
         }
     }
@@ -67,7 +67,7 @@ fn a_camera_above_a_planet_sees_its_horizon() {
     let (radius, above) = (6.4e6_f64, 2.0);
     let dip = (radius / (radius + above)).acos();
     for way in ways() {
-        let studio = Studio::new(&sphere([0.0, -radius, 0.0], radius), way.flags);
+        let studio = Studio::new(&sphere([0.0, -radius, 0.0], radius), way.flags).at(way);
         let towards = |angle: f64| ray([0.0, above, 0.0], [angle.cos(), -angle.sin(), 0.0]);
         let below = towards(dip + 1e-7);
         check(
@@ -86,7 +86,7 @@ fn a_camera_above_a_planet_sees_its_horizon() {
 fn tangent_rays_are_decided_by_distance() {
     // Rays that pass the centre at (1 + s) radii. The discriminant has 3 u of |f| = 5 and some u of r: 32 u decide.
     for way in ways() {
-        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags);
+        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags).at(way);
         let mut wrong = 0;
         for step in 1..200 {
             let away = f64::from(step) * 32.0 * U;
@@ -101,7 +101,7 @@ fn tangent_rays_are_decided_by_distance() {
 fn from_the_surface_itself() {
     // Outward misses; inward takes the far side, at 2 cos(angle), with 16 u of 2.
     for way in ways() {
-        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags);
+        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags).at(way);
         let outward = studio.t(&ray([0.0, 0.0, 1.0], [0.6, 0.0, 0.8]));
         check_that("ray from a sphere outward: no hit", outward.is_none());
         let inward = studio.t(&ray([0.0, 0.0, 1.0], [0.6, 0.0, -0.8])).unwrap_or(f64::NAN);
@@ -119,7 +119,7 @@ fn t_agrees_with_eighty_digits() {
         ("huge and near", 1e9, 1.0e9 + 1.0),
     ] {
         for way in ways() {
-            let studio = Studio::new(&sphere([0.0, 0.0, 0.0], radius), way.flags);
+            let studio = Studio::new(&sphere([0.0, 0.0, 0.0], radius), way.flags).at(way);
             let direction = vector([1e-3 * radius / distance, 2e-3 * radius / distance, -1.0]).normalized();
             let ray = Ray { origin: vector([0.0, 0.0, distance]), direction };
             let (o, d) = (v(ray.origin), v(ray.direction));
@@ -141,7 +141,7 @@ fn normals_are_units_that_point_outward() {
         ("radius 1e3, 1e9 away", [1e9, 0.0, 0.0], 1e3, 4e3),
     ] {
         for way in ways() {
-            let studio = Studio::new(&sphere(center, radius), way.flags);
+            let studio = Studio::new(&sphere(center, radius), way.flags).at(way);
             let origin = [center[0] + 0.3 * radius, center[1] - 0.2 * radius, distance];
             let seen = studio.seen(&ray(origin, [0.0, 0.0, -1.0]));
             let (x, y) = ((origin[0] - center[0]) / radius, (origin[1] - center[1]) / radius);

@@ -1,6 +1,7 @@
 //! Small scenes in memory, the ways in which each case must hold, and the record of what was measured.
 
-use a2::accel::Hit;
+use a2::accel::simd::Level;
+use a2::accel::{Accelerator, Hit};
 use a2::args::{self, Request};
 use a2::film::Film;
 use a2::objects::{Ray, SurfacePoint};
@@ -17,10 +18,12 @@ use vecmath::{Real, Vector3};
 pub const U: f64 = f64::EPSILON / 2.0;
 
 /// How the program is asked to do what a case is about.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Way {
     /// Added to the command line.
     pub flags: &'static str,
+    /// What the processor may use.
+    pub level: Level,
 }
 
 impl Way {
@@ -29,9 +32,10 @@ impl Way {
     }
 }
 
-/// Every way in which a case must hold.
+/// Every way in which a case must hold: with and without `-robust`, and at every processor level.
 pub fn ways() -> impl Iterator<Item = Way> {
-    ["", "-robust"].into_iter().map(|flags| Way { flags })
+    let levels = || Level::NAMES.into_iter().filter_map(Level::named);
+    ["", "-robust"].into_iter().flat_map(move |flags| levels().map(move |level| Way { flags, level }))
 }
 
 /// Notes what a case may be off by and what it is off by, and insists.
@@ -116,6 +120,13 @@ impl Studio {
         let plan = Plan::new(&request, &description);
         let Compiled { scene, warnings } = compile(&description, &plan).map_err(|error| error.to_string())?;
         Ok(Self { scene, plan, warnings, request })
+    }
+
+    /// The same scene, searched at this processor level.
+    pub fn at(mut self, way: Way) -> Self {
+        self.scene.meshes.iter_mut().for_each(|mesh| mesh.set_level(way.level));
+        self.scene.accelerator = Accelerator::with_level(&self.scene.objects, way.level);
+        self
     }
 
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {

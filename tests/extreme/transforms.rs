@@ -16,7 +16,8 @@ fn scaled_spheres_are_spheres() {
     // The object-space ray has 4 u of each transformed coordinate, the sphere's own test 16 u of distance and radius.
     for (case, scale) in [("1e-9", 1e-9), ("1e-6", 1e-6), ("1e6", 1e6), ("1e9", 1e9), ("-1e3", -1e3)] {
         for way in ways() {
-            let studio = Studio::new(&transformed(&format!("UniformScale {scale:e}"), UNIT_SPHERE), way.flags);
+            let studio =
+                Studio::new(&transformed(&format!("UniformScale {scale:e}"), UNIT_SPHERE), way.flags).at(way);
             let mut random = Random(1);
             let mut worst: f64 = 0.0;
             for _ in 0..100 {
@@ -40,7 +41,7 @@ fn scaled_spheres_are_spheres() {
 fn stretched_unevenly_along_the_axes_nothing_is_lost() {
     // A scaling along the axes has condition number 1, whatever its factors.
     for way in ways() {
-        let studio = Studio::new(&transformed("Scale 1e9 1 1e-9", UNIT_SPHERE), way.flags);
+        let studio = Studio::new(&transformed("Scale 1e9 1 1e-9", UNIT_SPHERE), way.flags).at(way);
         let hit = studio.t(&ray([3e8, 5.0, 2e-10], [0.0, -1.0, 0.0]));
         let exact = 5.0 - (1.0 - 0.09 - 0.04_f64).sqrt();
         check(
@@ -64,7 +65,7 @@ fn turned_and_stretched_hits_are_as_good_as_the_condition_number() {
     for (case, thin) in [("1e3", 1e-3), ("1e6", 1e-6)] {
         let steps = format!("ZRotate 30 Scale 1000 {:e} {:e}", 1e3 * thin, 1e3 * thin);
         for way in ways() {
-            let studio = Studio::new(&transformed(&steps, UNIT_SPHERE), way.flags);
+            let studio = Studio::new(&transformed(&steps, UNIT_SPHERE), way.flags).at(way);
             let (sin, cos) = (0.5, 3_f64.sqrt() / 2.0);
             let hit = studio.t(&ray([2e3 * cos, 2e3 * sin, 0.0], [-cos, -sin, 0.0]));
             let error = hit.map_or(f64::INFINITY, |t| (t - 1e3).abs());
@@ -133,7 +134,7 @@ fn mirrored_and_sheared_normals_stay_outward() {
         for (case, steps) in
             [("mirrored", "Scale -1 1 1"), ("sheared", "Matrix4f { 1 0 0 0  0.7 1 0 0  0 0.3 1 0  0 0 0 1 }")]
         {
-            let studio = Studio::new(&transformed(steps, UNIT_SPHERE), way.flags);
+            let studio = Studio::new(&transformed(steps, UNIT_SPHERE), way.flags).at(way);
             let mut random = Random(2);
             let mut wrong = 0;
             for _ in 0..200 {
@@ -158,8 +159,8 @@ fn a_hundred_transforms_deep() {
         objects(&format!("{open}{object}{}", "} }".repeat(50))).replace("numObjects 100", "numObjects 1")
     };
     for way in ways() {
-        let plain = Studio::new(&objects(UNIT_SPHERE), way.flags);
-        let nested = Studio::new(&deep(UNIT_SPHERE), way.flags);
+        let plain = Studio::new(&objects(UNIT_SPHERE), way.flags).at(way);
+        let nested = Studio::new(&deep(UNIT_SPHERE), way.flags).at(way);
         let ray = ray([0.3, 0.2, 5.0], [0.0, 0.0, -1.0]);
         let error = (plain.t(&ray).unwrap_or(0.0) - nested.t(&ray).unwrap_or(f64::INFINITY)).abs();
         check("100 transforms deep: error of t, u", 500.0, error / U);
@@ -169,7 +170,7 @@ fn a_hundred_transforms_deep() {
 #[test]
 fn carried_1e9_away_it_is_seen_to_the_last_digit_there() {
     for way in ways() {
-        let studio = Studio::new(&transformed("Translate 1e9 -1e9 1e9", UNIT_TRIANGLE), way.flags);
+        let studio = Studio::new(&transformed("Translate 1e9 -1e9 1e9", UNIT_TRIANGLE), way.flags).at(way);
         let hit = studio.t(&ray([1e9 + 0.25, -1e9 - 0.25, 1e9 + 3.0], [0.0, 0.0, -1.0]));
         // All of these numbers are exact.
         check("triangle carried 1e9 away: error of t", 0.0, hit.map_or(f64::INFINITY, |t| (t - 3.0).abs()));
@@ -183,7 +184,7 @@ fn there_and_back_is_where_it_was() {
     // 1e9 there and 1e9 back is a matrix without rounding.
     for way in ways() {
         let steps = "Translate 1e9 0 0 Scale 1e9 1e9 1e9 Scale 1e-9 1e-9 1e-9 Translate -1e9 0 0";
-        let studio = Studio::new(&transformed(steps, UNIT_TRIANGLE), way.flags);
+        let studio = Studio::new(&transformed(steps, UNIT_TRIANGLE), way.flags).at(way);
         let hit = studio.t(&ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]));
         // The scalings leave a factor of 1 + 2 u at most, so the way back leaves 2e9 u; depth does not see it.
         check(

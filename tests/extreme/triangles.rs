@@ -45,7 +45,7 @@ fn t_of_ordinary_and_of_thin_triangles() {
         let normal = cross(&sub(&b, &a), &sub(&c, &a));
         let shape = longest * longest / (f(&dot(&normal, &normal)).sqrt() / 2.0);
         for way in ways() {
-            let studio = Studio::new(&objects(&text(corners)), way.flags);
+            let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
             let ray = ray_to(corners, [0.3, 0.25, 0.45], origin);
             let exact = exact_t(corners, &ray);
             let error = studio.t(&ray).map_or(f64::INFINITY, |t| size(&(q(t) - &exact)));
@@ -61,7 +61,7 @@ fn a_hit_on_a_sliver_has_a_point_in_its_plane() {
     for power in [2, 4, 6, 8] {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.3, 0.2], [0.5, 0.15 + 10_f64.powi(-power), 0.1]];
         for way in ways() {
-            let studio = Studio::new(&objects(&text(corners)), way.flags);
+            let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
             let ray = ray_to(corners, [0.3, 0.25, 0.45], [0.3, 0.1, 3.0]);
             let Some(hit) = studio.hit(&ray) else { panic!("missed") };
             let [a, b, c] = corners.map(|corner| v(vector(corner)));
@@ -78,7 +78,7 @@ fn corners_and_edges_belong_to_it() {
     // Where numbers are exact, the closed triangle is what counts.
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for way in ways() {
-        let studio = Studio::new(&objects(&text(corners)), way.flags);
+        let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
         let inside = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0], [0.0, 0.25], [0.75, 0.25]];
         let hit = |[x, y]: [f64; 2]| studio.t(&ray([x, y, 1.0], [0.0, 0.0, -1.0])).is_some();
         check_that("corners and edges of a triangle: hit", inside.into_iter().all(hit));
@@ -123,7 +123,7 @@ fn without_area_it_is_left_out_and_said_so() {
 fn of_equal_triangles_the_first_counts() {
     let same = text([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).repeat(30);
     for way in ways() {
-        let studio = Studio::new(&objects(&same), way.flags);
+        let studio = Studio::new(&objects(&same), way.flags).at(way);
         let hit = studio.hit(&ray([0.25, 0.25, 3.0], [0.0, 0.0, -1.0]));
         check_that("thirty equal triangles: the first is hit", hit.is_some_and(|hit| hit.object == 0));
     }
@@ -135,7 +135,7 @@ fn of_the_size_of_the_smallest_floats() {
     let corners = "v 0 0 0\nv 4e-45 0 0\nv 0 4e-45 0\nf 1 2 3\n";
     let scene = objects("TriangleMesh { obj_file m.obj }");
     for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("m.obj", corners)], way.flags);
+        let studio = Studio::with_meshes(&scene, &[("m.obj", corners)], way.flags).at(way);
         let hit = studio.hit(&ray([1e-45, 1e-45, 1e-44], [0.0, 0.0, -1.0]));
         check_that(
             "triangle of size 4e-45: hit",
