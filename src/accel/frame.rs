@@ -121,7 +121,8 @@ impl Frame {
         let largest = ray.ray.direction.max_abs();
         let near_enough = from_center.max_abs() * self.scale <= FARTHEST && from_center.is_finite();
         let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.ray.direction.is_finite();
-        let spread_fits = self.spread * ray.reach * self.scale <= LARGEST_SPREAD;
+        let spread = || self.spread * ray.ray.origin.max_abs() * self.scale;
+        let spread_fits = self.spread == 0.0 || spread() <= LARGEST_SPREAD;
         if !near_enough || !sane || !spread_fits {
             return Entry::Unknown;
         }

@@ -185,7 +185,8 @@ impl Object {
 
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
         match &self.bounds {
-            Some(bounds) => bounds.entry(world, self.spread * world.reach, t_max),
+            Some(bounds) if self.spread == 0.0 => bounds.entry(world, 0.0, t_max),
+            Some(bounds) => bounds.entry(world, self.spread * world.ray.origin.max_abs(), t_max),
             None => Some(0.0),
         }
     }
@@ -212,7 +213,6 @@ impl Object {
     }
 
     /// The point of the surface that a ray has hit, as well as it can be known.
-
     pub fn surface_point(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> SurfacePoint {
         let on_triangle = |corners: [Vector3; 3]| {
             // Across a triangle without area there is no direction; towards the eye is as good as any.

@@ -22,19 +22,12 @@ pub struct PreparedRay {
     pub ray: Ray,
     /// 1 / direction, infinite where the direction is zero.
     pub inverse_direction: Vector3,
-    /// The largest coordinate of the origin: what rounding errors of the way are a share of.
-    pub reach: Real,
     pub sheared: ShearedRay,
 }
 
 impl PreparedRay {
     pub fn new(ray: Ray) -> Self {
-        Self {
-            ray,
-            inverse_direction: ray.direction.map(|d| 1.0 / d),
-            reach: ray.origin.max_abs(),
-            sheared: ShearedRay::new(&ray),
-        }
+        Self { ray, inverse_direction: ray.direction.map(|d| 1.0 / d), sheared: ShearedRay::new(&ray) }
     }
 }
 

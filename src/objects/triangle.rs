@@ -63,7 +63,8 @@ fn box_interval(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<(Real, Real)
     };
     let (near, far) = interval(0.0);
     let meets = near <= far || {
-        let (near, far) = interval(BOX_ROUNDINGS * ROUNDING * ray.reach.max(min.max_abs()).max(max.max_abs()));
+        let (near, far) =
+            interval(BOX_ROUNDINGS * ROUNDING * ray.ray.origin.max_abs().max(min.max_abs()).max(max.max_abs()));
         near <= far
     };
     meets.then_some((near, far))
