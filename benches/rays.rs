@@ -77,8 +77,7 @@ struct Scene {
 
 impl Scene {
     fn new(mesh: Mesh, level: Level) -> Self {
-        let bounds = Some(*mesh.bounds());
-        let objects = vec![Object { shape: Shape::Mesh(0), placement: None, material: 0, bounds }];
+        let objects = vec![Object::new(Shape::Mesh(0), None, 0, Some(mesh.bounds()))];
         Self { accelerator: Accelerator::with_level(&objects, level), objects, meshes: vec![mesh] }
     }
 
@@ -106,8 +105,9 @@ impl Scene {
                 rays.iter().filter(|(ray, t_max)| accelerator.any_hit(objects, meshes, ray, *t_max)).count()
             }
             (Query::Any, false) => {
+                let (just_rays, t_max): (Vec<Ray>, Vec<Real>) = rays.iter().copied().unzip();
                 let mut found = Vec::new();
-                accelerator.any_hits(objects, meshes, rays, &mut found);
+                accelerator.any_hits(objects, meshes, &just_rays, &t_max, &mut found);
                 found.into_iter().filter(|&found| found).count()
             }
         }

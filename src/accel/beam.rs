@@ -5,16 +5,16 @@
 //! depends on their order, which boxes they are asked about does not matter: the contract is that of
 //! [`Walk`](super::walk::Walk).
 
-use super::frame::{CullRay, Entry, Frame};
+use super::frame::CullRay;
 use super::simd::{Eight, Lanes, Task, WIDTH};
 use super::tree::{Child, Node, Tree};
 use super::walk::{DONE, Visit, Walk};
-use crate::objects::PreparedRay;
 use vecmath::Real;
 
 /// Rays in a beam, at most: one for each bit of a mask.
 pub const BEAM_RAYS: usize = 64;
-const GROUPS: usize = BEAM_RAYS / WIDTH;
+/// Registers of rays in a beam.
+pub const GROUPS: usize = BEAM_RAYS / WIDTH;
 /// So few rays walk alone.
 const FEW: u32 = 4;
 /// Boxes that may be pending; from there on rays walk alone.
@@ -47,33 +47,25 @@ pub fn numbers_in(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 impl Beam {
-    /// The rays of a mask that meet the frame's root box, and masks: of these, and of those that cannot be culled.
-    pub fn new(frame: &Frame, rays: &[PreparedRay], mask: u64, t_max: impl Fn(usize) -> Real) -> (Self, u64, u64) {
-        let mut beam = Self {
-            rays: [CullRay::NONE; BEAM_RAYS],
-            inverse: [[[1.0; WIDTH]; GROUPS]; 3],
-            origin_times_inverse: [[[0.0; WIDTH]; GROUPS]; 3],
-            limit: [[DONE; WIDTH]; GROUPS],
-        };
-        let (mut met, mut unknown) = (0, 0);
-        for number in numbers_in(mask) {
-            match frame.enter(&rays[number], t_max(number)) {
-                Entry::Missed => {}
-                Entry::Unknown => unknown |= 1 << number,
-                Entry::Met(ray) => {
-                    met |= 1 << number;
-                    let (group, lane) = (number / WIDTH, number % WIDTH);
-                    let product = ray.origin_times_inverse();
-                    for axis in 0..3 {
-                        beam.inverse[axis][group][lane] = ray.inverse[axis];
-                        beam.origin_times_inverse[axis][group][lane] = product[axis];
-                    }
-                    beam.limit[group][lane] = ray.limit(t_max(number));
-                    beam.rays[number] = ray;
-                }
-            }
+    /// A beam without rays.
+    pub const EMPTY: Self = Self {
+        rays: [CullRay::NONE; BEAM_RAYS],
+        inverse: [[[1.0; WIDTH]; GROUPS]; 3],
+        origin_times_inverse: [[[0.0; WIDTH]; GROUPS]; 3],
+        limit: [[DONE; WIDTH]; GROUPS],
+    };
+
+    /// Adds a ray.
+    #[inline]
+    pub fn set(&mut self, number: usize, ray: CullRay, t_max: Real) {
+        let (group, lane) = (number / WIDTH % GROUPS, number % WIDTH);
+        let product = ray.origin_times_inverse();
+        for axis in 0..3 {
+            self.inverse[axis][group][lane] = ray.inverse[axis];
+            self.origin_times_inverse[axis][group][lane] = product[axis];
         }
-        (beam, met, unknown)
+        self.limit[group][lane] = ray.limit(t_max);
+        self.rays[number % BEAM_RAYS] = ray;
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@
 //!
 //! **Triangles.** See [`triangles`](super::triangles).
 
-use crate::objects::{Aabb, PreparedRay};
+use crate::objects::{Aabb, PreparedRay, Ray};
 use vecmath::{Real, Vector3};
 
 /// Boxes grow by this on every side, in the frame.
@@ -97,6 +97,16 @@ impl Frame {
         Self { spread, ..self }
     }
 
+    /// Around all items, margin included.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    /// See [`with_spread`](Self::with_spread).
+    pub fn spread(&self) -> Real {
+        self.spread
+    }
+
     /// A vector's components in the frame.
     pub fn scaled(&self, vector: Vector3) -> [f32; 3] {
         (vector * self.scale).to_array().map(|c| c as f32)
@@ -117,20 +127,28 @@ impl Frame {
     /// The ray in the frame, if it meets the root box at a t up to `t_max`.
     #[inline]
     pub fn enter(&self, ray: &PreparedRay, t_max: Real) -> Entry {
-        let from_center = ray.ray.origin - self.center;
-        let largest = ray.ray.direction.max_abs();
+        match self.bounds.entry(ray, 0.0, t_max) {
+            Some(start) => self.enter_at(&ray.ray, start),
+            // NaN meets every box.
+            None => Entry::Missed,
+        }
+    }
+
+    /// The ray in the frame. At t = `start` it must be within 1 + 2^-16 of the middle on every axis, and not yet in
+    /// the box unless `start` is 0.
+    #[inline]
+    pub fn enter_at(&self, ray: &Ray, start: Real) -> Entry {
+        let from_center = ray.origin - self.center;
+        let largest = ray.direction.max_abs();
         let near_enough = from_center.max_abs() * self.scale <= FARTHEST && from_center.is_finite();
-        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.ray.direction.is_finite();
-        let spread = || self.spread * ray.ray.origin.max_abs() * self.scale;
+        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.direction.is_finite();
+        let spread = || self.spread * ray.origin.max_abs() * self.scale;
         let spread_fits = self.spread == 0.0 || spread() <= LARGEST_SPREAD;
         if !near_enough || !sane || !spread_fits {
             return Entry::Unknown;
         }
-        let Some(start) = self.bounds.entry(ray, 0.0, t_max) else {
-            return Entry::Missed;
-        };
-        let origin = (from_center + ray.ray.direction * start) * self.scale;
-        let direction = ray.ray.direction * (1.0 / largest);
+        let origin = (from_center + ray.direction * start) * self.scale;
+        let direction = ray.direction * (1.0 / largest);
         let direction = direction.to_array().map(|c| {
             let c = c as f32;
             if c.abs() >= SMALLEST_COMPONENT { c } else { SMALLEST_COMPONENT.copysign(c) }

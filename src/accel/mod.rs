@@ -9,6 +9,7 @@
 
 pub mod beam;
 mod build;
+mod bundle;
 mod frame;
 mod objects;
 pub mod simd;

@@ -2,6 +2,7 @@
 
 use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
 use super::build::{self, Item};
+use super::bundle::{MakeBundle, Meeting};
 use super::frame::{Entry, Frame};
 use super::simd::{Lanes, Level};
 use super::tree::{Child, Tree};
@@ -123,38 +124,66 @@ impl Accelerator {
     pub fn closest_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         for rays in rays.chunks(BEAM_RAYS) {
-            let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(*ray)).collect();
-            let mut searches = vec![Search { objects, meshes, closest: None }; rays.len()];
-            self.candidates_of_many(&mut Closest { rays: &rays, searches: &mut searches }, rays.len());
-            hits.extend(searches.iter().map(|search| search.closest));
+            let search = Search { objects, meshes, closest: None };
+            let mut closest = Closest { searches: [search; BEAM_RAYS] };
+            self.candidates_of_many(objects, rays, rays.len(), &mut closest);
+            hits.extend(closest.searches[..rays.len()].iter().map(|search| search.closest));
         }
     }
 
-    /// [`any_hit`](Self::any_hit) of many rays with a `t_max` each: `found` gets an entry for each.
-    pub fn any_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[(Ray, Real)], found: &mut Vec<bool>) {
+    /// [`any_hit`](Self::any_hit) of many rays, each with its `t_max`: `found` gets an entry for each.
+    pub fn any_hits(
+        &self,
+        objects: &[Object],
+        meshes: &[Mesh],
+        rays: &[Ray],
+        t_max: &[Real],
+        found: &mut Vec<bool>,
+    ) {
         found.clear();
-        for rays in rays.chunks(BEAM_RAYS) {
-            let t_max: Vec<Real> = rays.iter().map(|ray| ray.1.min(T_MAX.next_down())).collect();
-            let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(ray.0)).collect();
-            let mut search = Any { objects, meshes, rays: &rays, t_max: &t_max, found: 0 };
-            self.candidates_of_many(&mut search, rays.len());
-            let bits = search.found;
-            found.extend((0..rays.len()).map(|number| bits >> number & 1 == 1));
+        for (rays, limits) in rays.chunks(BEAM_RAYS).zip(t_max.chunks(BEAM_RAYS)) {
+            let mut t_max = [0.0; BEAM_RAYS];
+            for (t_max, limit) in t_max.iter_mut().zip(limits) {
+                *t_max = limit.min(T_MAX.next_down());
+            }
+            let mut any = Any { objects, meshes, t_max, found: 0 };
+            self.candidates_of_many(objects, rays, rays.len(), &mut any);
+            found.extend((0..rays.len()).map(|number| any.found >> number & 1 == 1));
         }
     }
 
-    fn candidates_of_many(&self, questions: &mut impl Questions, count: usize) {
+    fn candidates_of_many(&self, objects: &[Object], rays: &[Ray], count: usize, questions: &mut impl Questions) {
         let mut open = u64::MAX >> (BEAM_RAYS - count);
+        let bundle = self.level.run(MakeBundle(rays));
+        let mut prepared = Prepared { rays, done: 0, prepared: [PreparedRay::NONE; BEAM_RAYS] };
         for &index in &self.loose {
-            questions.ask(index, open);
-            open = questions.open(open);
+            let mut mask = open;
+            let object = &objects[index as usize];
+            if let Some(bounds) = &object.bounds {
+                mask = self.level.run(Meeting { bundle: &bundle, bounds, spread: object.spread, mask });
+            }
+            if mask != 0 {
+                questions.ask(index, prepared.rays(mask), mask);
+                open = questions.open(open);
+            }
         }
         let Some(treed) = &self.treed else { return };
-        let (mut beam, met, unknown) = {
-            let questions = &*questions;
-            Beam::new(&treed.frame, questions.rays(), open, |number| questions.t_max(number))
-        };
-        let leaves = ObjectLeaves { objects: &treed.objects, questions };
+        let (bounds, spread) = (treed.frame.bounds(), treed.frame.spread());
+        let mask = self.level.run(Meeting { bundle: &bundle, bounds, spread, mask: open });
+        let (mut beam, mut met, mut unknown) = (Beam::EMPTY, 0, 0);
+        let rays = prepared.rays(mask);
+        for number in numbers_in(mask) {
+            let t_max = questions.t_max(number);
+            match treed.frame.enter(&rays[number], t_max) {
+                Entry::Missed => {}
+                Entry::Unknown => unknown |= 1 << number,
+                Entry::Met(ray) => {
+                    met |= 1 << number;
+                    beam.set(number, ray, t_max);
+                }
+            }
+        }
+        let leaves = ObjectLeaves { objects: &treed.objects, rays, questions };
         if met != 0 {
             self.level.run(BeamWalk { tree: &treed.tree, beam: &mut beam, mask: met, leaves });
         }
@@ -163,31 +192,49 @@ impl Accelerator {
             if unknown == 0 {
                 break;
             }
-            questions.ask(index, unknown);
+            questions.ask(index, rays, unknown);
         }
+    }
+}
+
+/// Rays that are prepared when they are first needed.
+struct Prepared<'a> {
+    rays: &'a [Ray],
+    done: u64,
+    prepared: [PreparedRay; BEAM_RAYS],
+}
+
+impl Prepared<'_> {
+    /// All rays, of which at least those of a mask are prepared.
+    fn rays(&mut self, mask: u64) -> &[PreparedRay; BEAM_RAYS] {
+        for number in numbers_in(mask & !self.done) {
+            self.prepared[number] = PreparedRay::new(self.rays[number]);
+        }
+        self.done |= mask;
+        &self.prepared
     }
 }
 
 /// What many rays want to know.
 trait Questions {
-    fn rays(&self) -> &[PreparedRay];
     /// The rays of a mask that still want to know.
     fn open(&self, mask: u64) -> u64;
     /// How far a ray still looks; minus infinity if no further.
     fn t_max(&self, number: usize) -> Real;
     /// Asks an object about the rays of a mask.
-    fn ask(&mut self, index: u32, mask: u64);
+    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64);
 }
 
 struct ObjectLeaves<'a, Q> {
     objects: &'a [u32],
+    rays: &'a [PreparedRay; BEAM_RAYS],
     questions: &'a mut Q,
 }
 
 impl<Q: Questions> Leaves for ObjectLeaves<'_, Q> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, _: L, leaf: usize, rays: u64, beam: &mut Beam) {
-        self.questions.ask(self.objects[leaf], rays);
+        self.questions.ask(self.objects[leaf], self.rays, rays);
         for number in numbers_in(rays) {
             if beam.limit(number) > DONE {
                 beam.set_t_max(number, self.questions.t_max(number));
@@ -200,16 +247,11 @@ impl<Q: Questions> Leaves for ObjectLeaves<'_, Q> {
 const BEAM_WORTH: u32 = 4;
 
 /// The nearest hits of many rays.
-struct Closest<'a, 'b> {
-    rays: &'a [PreparedRay],
-    searches: &'a mut [Search<'b>],
+struct Closest<'a> {
+    searches: [Search<'a>; BEAM_RAYS],
 }
 
-impl Questions for Closest<'_, '_> {
-    fn rays(&self) -> &[PreparedRay] {
-        self.rays
-    }
-
+impl Questions for Closest<'_> {
     fn open(&self, mask: u64) -> u64 {
         mask
     }
@@ -218,23 +260,23 @@ impl Questions for Closest<'_, '_> {
         self.searches[number].t_max()
     }
 
-    fn ask(&mut self, index: u32, mask: u64) {
+    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64) {
         let Search { objects, meshes, .. } = self.searches[0];
         let object = &objects[index as usize];
         match object.shape {
             Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
-                let limits: [Real; BEAM_RAYS] = std::array::from_fn(|number| match self.searches.get(number) {
-                    Some(search) => search.limit_for(index),
-                    None => 0.0,
-                });
-                let searches = &mut *self.searches;
-                object.closest_mesh_hits(&meshes[mesh as usize], self.rays, mask, &limits, |number, at| {
+                let mut limits = [0.0; BEAM_RAYS];
+                for number in numbers_in(mask) {
+                    limits[number] = self.searches[number].limit_for(index);
+                }
+                let searches = &mut self.searches;
+                object.closest_mesh_hits(&meshes[mesh as usize], rays, mask, &limits, |number, at| {
                     searches[number].closest = Some(Hit { object: index, at });
                 });
             }
             _ => {
                 for number in numbers_in(mask) {
-                    self.searches[number].ask(&self.rays[number], index);
+                    self.searches[number].ask(&rays[number], index);
                 }
             }
         }
@@ -245,17 +287,12 @@ impl Questions for Closest<'_, '_> {
 struct Any<'a> {
     objects: &'a [Object],
     meshes: &'a [Mesh],
-    rays: &'a [PreparedRay],
-    t_max: &'a [Real],
+    t_max: [Real; BEAM_RAYS],
     /// Rays that something is in the way of.
     found: u64,
 }
 
 impl Questions for Any<'_> {
-    fn rays(&self) -> &[PreparedRay] {
-        self.rays
-    }
-
     fn open(&self, mask: u64) -> u64 {
         mask & !self.found
     }
@@ -264,15 +301,15 @@ impl Questions for Any<'_> {
         if self.found >> number & 1 == 1 { Real::NEG_INFINITY } else { self.t_max[number] }
     }
 
-    fn ask(&mut self, index: u32, mask: u64) {
+    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64) {
         let object = &self.objects[index as usize];
         match object.shape {
             Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
-                self.found |= object.any_mesh_hits(&self.meshes[mesh as usize], self.rays, mask, self.t_max);
+                self.found |= object.any_mesh_hits(&self.meshes[mesh as usize], rays, mask, &self.t_max);
             }
             _ => {
                 for number in numbers_in(mask) {
-                    if object.any_hit(self.meshes, &self.rays[number], self.t_max[number]) {
+                    if object.any_hit(self.meshes, &rays[number], self.t_max[number]) {
                         self.found |= 1 << number;
                     }
                 }

@@ -67,20 +67,34 @@ impl TriangleTree {
     }
 
     /// [`candidates`](Self::candidates) of several rays, at most 64: those of `mask`. `decide` is told the ray's number
-    /// as well, and `t_max` is asked once for each ray.
+    /// as well. `near` are places where rays enter a box not much larger than the mesh's, if such are known.
     #[inline]
     pub fn candidates_of_many(
         &self,
         rays: &[PreparedRay],
         mask: u64,
-        t_max: impl Fn(usize) -> Real,
+        near: Option<&[Real; BEAM_RAYS]>,
+        t_max: &[Real],
         mut decide: impl FnMut(usize, u32) -> Real,
     ) {
-        debug_assert!(rays.len() <= BEAM_RAYS);
         let mut unknown = mask;
         if let Some(culled) = &self.culled {
-            let (mut beam, met, not_culled) = Beam::new(&culled.frame, rays, mask, t_max);
-            unknown = not_culled;
+            let (mut beam, mut met) = (Beam::EMPTY, 0);
+            unknown = 0;
+            for number in numbers_in(mask) {
+                let entry = match near {
+                    Some(near) => culled.frame.enter_at(&rays[number].ray, near[number]),
+                    None => culled.frame.enter(&rays[number], t_max[number]),
+                };
+                match entry {
+                    Entry::Missed => {}
+                    Entry::Unknown => unknown |= 1 << number,
+                    Entry::Met(ray) => {
+                        met |= 1 << number;
+                        beam.set(number, ray, t_max[number]);
+                    }
+                }
+            }
             let leaves = BlockLeaves { blocks: &culled.blocks, decide: &mut decide };
             if met != 0 {
                 self.level.run(BeamWalk { tree: &culled.tree, beam: &mut beam, mask: met, leaves });

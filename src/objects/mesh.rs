@@ -5,7 +5,6 @@ use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
 use crate::accel::beam::{BEAM_RAYS, numbers_in};
 use crate::accel::simd::Level;
-use std::array::from_fn;
 use vecmath::{Real, Vector3};
 
 /// Triangles that share corners by index.
@@ -145,7 +144,15 @@ impl Mesh {
 
     /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`. Each search says how far its
     /// ray looks, and takes what it finds.
-    pub fn closest_hits(&self, rays: &[PreparedRay], mask: u64, searches: &mut [MeshSearch]) {
+    /// `near` are places where rays enter the mesh's box or one not much larger, if such are known.
+    pub fn closest_hits(
+        &self,
+        rays: &[PreparedRay],
+        mask: u64,
+        near: Option<&[Real; BEAM_RAYS]>,
+        t_max: &[Real; BEAM_RAYS],
+        searches: &mut [MeshSearch],
+    ) {
         match &self.tree {
             None => {
                 for number in numbers_in(mask) {
@@ -155,15 +162,20 @@ impl Mesh {
                 }
             }
             Some(tree) => {
-                let t_max: [Real; BEAM_RAYS] = from_fn(|number| searches.get(number).map_or(0.0, |s| s.t_max));
                 let decide = |number: usize, triangle| searches[number].ask(self, &rays[number], triangle);
-                tree.candidates_of_many(rays, mask, |number| t_max[number], decide);
+                tree.candidates_of_many(rays, mask, near, t_max, decide);
             }
         }
     }
 
     /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`; as a mask.
-    pub fn any_hits(&self, rays: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
+    pub fn any_hits(
+        &self,
+        rays: &[PreparedRay],
+        mask: u64,
+        near: Option<&[Real; BEAM_RAYS]>,
+        t_max: &[Real],
+    ) -> u64 {
         let mut found = 0;
         let mut is_hit = |number: usize, triangle: u32| {
             let hit =
@@ -177,7 +189,7 @@ impl Mesh {
                     let _ = self.indices().any(|triangle| is_hit(number, triangle) == Real::NEG_INFINITY);
                 }
             }
-            Some(tree) => tree.candidates_of_many(rays, mask, |number| t_max[number], is_hit),
+            Some(tree) => tree.candidates_of_many(rays, mask, near, t_max, is_hit),
         }
         found
     }

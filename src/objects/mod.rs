@@ -150,7 +150,9 @@ impl Object {
             return;
         }
         let mut searches = t_max.map(|t_max| MeshSearch { t_max, closest: None });
-        self.many_in_object_space(world, met, |rays| mesh.closest_hits(rays, met, &mut searches));
+        self.many_in_object_space(world, met, &near, |rays, near| {
+            mesh.closest_hits(rays, met, near, t_max, &mut searches);
+        });
         for number in numbers_in(met) {
             let Some(MeshHit { triangle, hit }) = searches[number].closest else { continue };
             let t = hit.t.max(near[number]);
@@ -163,24 +165,38 @@ impl Object {
     /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`; as a
     /// mask.
     pub fn any_mesh_hits(&self, mesh: &Mesh, world: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
-        let is_met = |number: &usize| self.entry(&world[*number], t_max[*number]).is_some();
-        let met = numbers_in(mask).filter(is_met).fold(0, |met, number| met | 1 << number);
-        let mut found = 0;
+        let mut near = [0.0; BEAM_RAYS];
+        let (mut met, mut found) = (0, 0);
+        for number in numbers_in(mask) {
+            if let Some(entry) = self.entry(&world[number], t_max[number]) {
+                near[number] = entry;
+                met |= 1 << number;
+            }
+        }
         if met != 0 {
-            self.many_in_object_space(world, met, |rays| found = mesh.any_hits(rays, met, t_max));
+            self.many_in_object_space(world, met, &near, |rays, near| {
+                found = mesh.any_hits(rays, met, near, t_max);
+            });
         }
         found
     }
 
-    fn many_in_object_space(&self, world: &[PreparedRay], mask: u64, f: impl FnOnce(&[PreparedRay])) {
+    /// Hands over the rays of a mask in object space, and `near` if it holds there as well.
+    fn many_in_object_space(
+        &self,
+        world: &[PreparedRay],
+        mask: u64,
+        near: &[Real; BEAM_RAYS],
+        f: impl FnOnce(&[PreparedRay], Option<&[Real; BEAM_RAYS]>),
+    ) {
         let Some(placement) = &self.placement else {
-            return f(world);
+            return f(world, Some(near));
         };
-        let mut rays = world.to_vec();
+        let mut rays = [PreparedRay::NONE; BEAM_RAYS];
         for number in numbers_in(mask) {
             rays[number] = PreparedRay::new(placement.ray_to_object(&world[number].ray));
         }
-        f(&rays);
+        f(&rays, None);
     }
 
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {

@@ -42,7 +42,9 @@ struct Batch {
     surfaces: Vec<Surface>,
     /// One a surface, where rays start just off it; none where they start at a fixed distance.
     departures: Vec<Departure>,
-    shadow_rays: Vec<(Ray, Real)>,
+    shadow_rays: Vec<Ray>,
+    /// How far each shadow ray goes.
+    distances: Vec<Real>,
     /// For each shadow ray: the surface, and what the light adds to it if nothing is in the way.
     shadowed: Vec<(usize, Vector3)>,
     blocked: Vec<bool>,
@@ -189,6 +191,7 @@ impl<'a> Tracer<'a> {
         let scene = self.scene;
         for light in &scene.lights {
             batch.shadow_rays.clear();
+            batch.distances.clear();
             batch.shadowed.clear();
             for (index, surface) in batch.surfaces.iter_mut().enumerate() {
                 let illumination = light.illuminate(surface.point);
@@ -198,11 +201,13 @@ impl<'a> Tracer<'a> {
                     // Blocked or not, this light adds nothing.
                     self.counts.shadow_left_out += u64::from(self.plan.shadows);
                 } else if self.plan.shadows {
-                    batch.shadow_rays.push(match (batch.departures.get(index), self.plan.robust) {
+                    let (ray, distance) = match (batch.departures.get(index), self.plan.robust) {
                         (Some(departure), true) => departure.shadow_ray(light),
                         (Some(departure), false) => departure.plain_shadow_ray(&illumination),
                         (None, robust) => shadow_ray(surface.point, &illumination, self.epsilon, robust),
-                    });
+                    };
+                    batch.shadow_rays.push(ray);
+                    batch.distances.push(distance);
                     batch.shadowed.push((index, added));
                 } else {
                     surface.color += added;
@@ -212,7 +217,8 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             self.counts.shadow += batch.shadow_rays.len() as u64;
-            scene.accelerator.any_hits(&scene.objects, &scene.meshes, &batch.shadow_rays, &mut batch.blocked);
+            let Batch { shadow_rays, distances, blocked, .. } = &mut *batch;
+            scene.accelerator.any_hits(&scene.objects, &scene.meshes, shadow_rays, distances, blocked);
             for (&(index, added), blocked) in batch.shadowed.iter().zip(&batch.blocked) {
                 if !blocked {
                     batch.surfaces[index].color += added;

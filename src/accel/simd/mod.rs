@@ -29,6 +29,7 @@ pub trait Lanes: Copy + Send + Sync {
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
     /// a b + c, rounded once or twice.
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// a b - c, rounded once or twice.
@@ -128,6 +129,7 @@ mod tests {
                 l.add(a, b),
                 l.sub(a, b),
                 l.mul(a, b),
+                l.div(c, l.add(c, l.abs(a))),
                 l.mul_add(a, b, c),
                 l.mul_sub(a, b, c),
                 l.min(a, b),
@@ -148,7 +150,7 @@ mod tests {
     #[test]
     fn all_levels_compute_the_same() {
         let (numbers, bits) = Level::SCALAR.run(Everything);
-        assert_eq!(numbers[3], [5.0, 7.0, -6.0, 3.0, -22.0, 6.25, -46.0, 3.0]);
+        assert_eq!(numbers[4], [5.0, 7.0, -6.0, 3.0, -22.0, 6.25, -46.0, 3.0]);
         assert_eq!(bits, [0b1100_1011, 0b0011_0100, 0, 0b1111_1111]);
         match Level::named("avx2") {
             Some(level) => assert_eq!(level.run(Everything), (numbers, bits)),

@@ -42,6 +42,11 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
+    fn div(self, a: Eight, b: Eight) -> Eight {
+        from_fn(|i| a[i] / b[i])
+    }
+
+    #[inline(always)]
     fn mul_add(self, a: Eight, b: Eight, c: Eight) -> Eight {
         from_fn(|i| a[i] * b[i] + c[i])
     }
