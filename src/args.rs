@@ -3,6 +3,7 @@
 //! The flags are the course's single-dash long flags (`-input`); the double-dash spelling works too. `clap` splits the
 //! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
 
+use crate::accel::simd::Level;
 use crate::error::{Error, probably_meant};
 use crate::render::robust::Epsilon;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -45,6 +46,8 @@ pub struct RenderArgs {
     pub threads: Option<usize>,
     pub seed: u64,
     pub quiet: bool,
+    /// The processor level at which rays are culled.
+    pub simd: Level,
     /// Print the plan.
     pub explain: bool,
 }
@@ -107,6 +110,7 @@ const FLAGS: &[Flag] = &[
     ("robust", &[], "Right at every scale, not the starter's shortcuts (listed below)"),
     ("threads", &["N"], "Worker threads [default: one per processor]"),
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
+    ("simd", &["LEVEL"], "scalar or avx2, same pictures [default: the best this processor has]"),
     ("explain", &[], "Say on standard error what this scene needs and what is left out"),
     ("quiet", &[], "No progress bar and no warnings"),
     ("compare", &["A", "B"], "Compare two pictures instead: exit code 0 if alike, 1 if not"),
@@ -306,6 +310,7 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         threads: typed.number("threads", 0, &threads, |n| (1..=MAX_THREADS).contains(n))?,
         seed: typed.number("seed", 0, "a whole number from 0 to 2^64 - 1", |_| true)?.unwrap_or(0),
         quiet: typed.has("quiet"),
+        simd: simd_level(typed)?,
         explain: typed.has("explain"),
     };
     let pixels = u64::from(args.width) * u64::from(args.height);
@@ -322,6 +327,17 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         return Err(Error::Usage("two pictures have the same file name".into()));
     }
     Ok(args)
+}
+
+fn simd_level(typed: &Typed) -> Result<Level, Error> {
+    let Some(name) = typed.values("simd").first().copied() else {
+        return Ok(Level::detected());
+    };
+    let name = name.to_string_lossy();
+    if !Level::NAMES.contains(&&*name) {
+        return Err(usage_error("simd", format!("expected {}, found '{name}'", Level::NAMES.join(" or "))));
+    }
+    Level::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
 }
 
 fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {
@@ -440,6 +456,7 @@ mod tests {
             ("-input s.txt -output o.png -threads 0", &["-threads", "'0'"]),
             ("-input s.txt -output o.png -epsilon -1", &["-epsilon", "'-1'", "auto"]),
             ("-input s.txt -output o.png -epsilon nan", &["-epsilon", "'nan'"]),
+            ("-input s.txt -output o.png -simd mmx", &["-simd", "scalar or avx2", "'mmx'"]),
             ("-input s.txt -output o.png -seed -3", &["-seed", "'-3'"]),
             ("-input s.txt -output o.png -diff d.png", &["-diff", "-compare"]),
             ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),

@@ -2,6 +2,7 @@
 //!
 //! A scene pays only for what it needs. What is left out here can change no byte of any picture that was asked for.
 
+use crate::accel::simd::Level;
 use crate::args::RenderArgs;
 use crate::material::Material;
 use crate::render::robust::Epsilon;
@@ -29,6 +30,8 @@ pub struct Plan {
     pub cube_map: bool,
     /// No reflected light is brighter than this in any component, if such a bound is known.
     pub radiance_bound: Option<Real>,
+    /// The processor level at which rays are culled.
+    pub simd: Level,
     /// Why something was left out, a sentence each.
     pub left_out: Vec<String>,
 }
@@ -57,6 +60,7 @@ impl Plan {
             bounces: 0,
             cube_map: false,
             radiance_bound: None,
+            simd: args.simd,
             left_out,
         };
         if color {
@@ -139,6 +143,7 @@ impl Plan {
                 }
             };
         }
+        let _ = writeln!(text, "plan: rays are culled with {} instructions", self.simd);
         for reason in &self.left_out {
             let _ = writeln!(text, "left out: {reason}");
         }

@@ -60,9 +60,9 @@ impl Beam {
     pub fn set(&mut self, number: usize, ray: CullRay, t_max: Real) {
         let (group, lane) = (number / WIDTH % GROUPS, number % WIDTH);
         let product = ray.origin_times_inverse();
-        for axis in 0..3 {
+        for (axis, product) in product.into_iter().enumerate() {
             self.inverse[axis][group][lane] = ray.inverse[axis];
-            self.origin_times_inverse[axis][group][lane] = product[axis];
+            self.origin_times_inverse[axis][group][lane] = product;
         }
         self.limit[group][lane] = ray.limit(t_max);
         self.rays[number % BEAM_RAYS] = ray;

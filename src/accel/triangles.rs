@@ -68,12 +68,13 @@ impl Block {
         };
         let mut longest = 0.0f32;
         for (place, (number, [a, b, c])) in triangles.take(WIDTH).enumerate() {
-            let vectors = [frame.point(a), frame.scaled(b - a), frame.scaled(c - a)];
-            for axis in 0..3 {
-                block.corner[axis][place] = vectors[0][axis];
-                block.edges[0][axis][place] = vectors[1][axis];
-                block.edges[1][axis][place] = vectors[2][axis];
-                longest = longest.max(vectors[1][axis].abs()).max(vectors[2][axis].abs());
+            let (corner, edges) = (frame.point(a), [frame.scaled(b - a), frame.scaled(c - a)]);
+            for (lanes, value) in block.corner.iter_mut().zip(corner) {
+                lanes[place] = value;
+            }
+            for (lanes, &value) in block.edges.as_flattened_mut().iter_mut().zip(edges.as_flattened()) {
+                lanes[place] = value;
+                longest = longest.max(value.abs());
             }
             block.numbers[place] = number;
             block.count += 1;

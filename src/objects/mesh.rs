@@ -16,7 +16,7 @@ pub struct Mesh {
     /// One a position: unit length, or zero where the faces around it cancel out.
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
-    /// `None` for so few triangles that a loop is faster.
+    /// `None` without triangles.
     tree: Option<TriangleTree>,
 }
 
@@ -26,9 +26,6 @@ pub struct MeshHit {
     pub triangle: u32,
     pub hit: TriangleHit,
 }
-
-/// Up to so many triangles are tested in a loop.
-pub const LOOP_TRIANGLES: usize = 8;
 
 impl Mesh {
     /// A mesh of these positions and corner indices, which must be in range.
@@ -41,7 +38,7 @@ impl Mesh {
             triangles,
         };
         mesh.vertex_normals = mesh.smooth_normals();
-        if mesh.triangles.len() > LOOP_TRIANGLES {
+        if !mesh.triangles.is_empty() {
             mesh.tree = Some(mesh.built_tree());
         }
         mesh

@@ -48,15 +48,16 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         hints: Hints::default(),
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, hints, .. } = flattened;
+    let Flattened { objects, mut meshes, hints, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
+    meshes.iter_mut().for_each(|mesh| mesh.set_level(plan.simd));
     let scene = Scene {
         camera,
         lights,
         ambient_light,
         background: Background { color: description.background.color, cube_map },
         materials: description.materials.iter().map(to_material).collect(),
-        accelerator: Accelerator::new(&objects),
+        accelerator: Accelerator::with_level(&objects, plan.simd),
         objects,
         meshes,
     };

@@ -4,7 +4,7 @@ use super::{Eight, Lanes, Task};
 use std::arch::x86_64::*;
 
 /// The proof that the processor has AVX2 and FMA: there is no other way to a value than to ask it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Avx2(());
 
 impl Avx2 {

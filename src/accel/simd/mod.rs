@@ -59,7 +59,7 @@ pub trait Task {
 }
 
 /// A kind of processor that the culling code is compiled for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Any processor.
     Scalar(scalar::Scalar),

@@ -4,7 +4,7 @@ use super::{Eight, Lanes, Task, WIDTH};
 use std::array::from_fn;
 
 /// The level that needs nothing.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scalar;
 
 impl Lanes for Scalar {
