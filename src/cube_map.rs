@@ -9,6 +9,17 @@ use vecmath::{Real, Vector3};
 /// File names of the faces, in the order of [`CubeMap::faces`]: +x, -x, +y, -y, +z, -z.
 const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
 
+/// byte / 255. A product with 1/255 would differ in the last bit, which truncation shows.
+static SHARE: [Real; 256] = {
+    let mut share = [0.0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        share[byte] = byte as Real / 255.0;
+        byte += 1;
+    }
+    share
+};
+
 /// A folder with a picture for each side of a cube.
 #[derive(Debug)]
 pub struct CubeMap {
@@ -90,11 +101,11 @@ impl Face {
         };
         let (x, y) = (u * self.width as Real, (1.0 - v) * self.height as Real);
         let (column, row) = (x as usize, y as usize);
-        let (right, below) = (x.fract(), y.fract());
+        let (right, below) = (x - column as Real, y - row as Real);
         let texel = |column: usize, row: usize| {
             let at = 3 * (row.min(self.height - 1) * self.width + column.min(self.width - 1));
-            // A product with 1/255 would differ in the last bit, which truncation shows.
-            Vector3::new(texels[at] as Real, texels[at + 1] as Real, texels[at + 2] as Real) / 255.0
+            let channels = &texels[at..at + 3];
+            Vector3::new(SHARE[channels[0] as usize], SHARE[channels[1] as usize], SHARE[channels[2] as usize])
         };
         let upper = texel(column, row) * (1.0 - right) + texel(column + 1, row) * right;
         let lower = texel(column, row + 1) * (1.0 - right) + texel(column + 1, row + 1) * right;

@@ -1,7 +1,8 @@
-//! OBJ files to [`Mesh`]es, by `tobj`.
+//! OBJ files to [`Mesh`]es, by [`plain_obj`] where that will do, otherwise by `tobj`.
 //!
 //! Only corners' positions are used: normals are always computed from them, and texture coordinates have no use.
 
+use super::plain_obj;
 use crate::error::{Error, SourceText, Span};
 use crate::objects::Mesh;
 use std::path::Path;
@@ -12,6 +13,13 @@ use std::sync::Arc;
 /// # Errors
 /// [`Error::Source`] for a mistake at a known line, [`Error::File`] for anything else.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
+    match plain_obj::read(bytes) {
+        Some((positions, triangles)) => Ok(Mesh::new(positions, triangles)),
+        None => parse_any_mesh(path, bytes),
+    }
+}
+
+fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_points: true,
@@ -161,6 +169,23 @@ mod tests {
         let normal = mesh.normal(0, [1.0, 0.0, 0.0]);
         let half = (0.5 as vecmath::Real).sqrt();
         assert!((normal - Vector3::new(-half, half, 0.0)).max_abs() < 1e-6, "{normal:?}");
+    }
+
+    #[test]
+    fn both_readers_give_the_same_mesh() {
+        let texts =
+            ["", "v 0 0 0\n", "f 1 2 3\nv 7 7 7\nv 0 0 1\nv 1 0 0\nv 5 5 5\nvn 0 0 1\nf 3//1 2//1 1//1 2\n"];
+        for text in texts {
+            let any = parse_any_mesh(Path::new("m.obj"), text.as_bytes()).unwrap();
+            let plain = mesh(text);
+            assert_eq!(plain.triangle_count(), any.triangle_count());
+            assert_eq!(plain.bounds(), any.bounds(), "{text}");
+            for triangle in 0..any.triangle_count() as u32 {
+                assert_eq!(plain.corners(triangle), any.corners(triangle));
+                let weights = [0.5, 0.25, 0.25];
+                assert_eq!(plain.normal(triangle, weights), any.normal(triangle, weights));
+            }
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod hints;
 mod lexer;
 mod mesh_file;
 pub mod parser;
+mod plain_obj;
 
 pub use mesh_file::parse_mesh;
 

@@ -1,0 +1,201 @@
+//! Large OBJ files, read by all threads at once.
+//!
+//! Reads what nearly all files consist of (`v x y z`, `vt`, `vn`, `f` with positive indices) and gives up at everything
+//! else, mistakes included: then [`mesh_file`](super::mesh_file) reads the file its own way, which is some ten times
+//! slower. Both give the same mesh.
+
+use rayon::prelude::*;
+
+/// Positions and triangles of a mesh.
+pub type Geometry = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+/// A file is cut into pieces of about so many bytes.
+const PIECE: usize = 1 << 18;
+
+/// What a piece of a file holds.
+#[derive(Default)]
+struct Piece {
+    positions: Vec<[f32; 3]>,
+    /// Numbers of positions, from 0.
+    triangles: Vec<[u32; 3]>,
+    /// Texture coordinates and normals: how many there are, and the largest number of one that a corner names.
+    others: [(usize, usize); 2],
+}
+
+/// Positions and triangles of an OBJ file, without the positions that no triangle uses; `None` for any other file than
+/// a plain one.
+pub fn read(bytes: &[u8]) -> Option<Geometry> {
+    let pieces: Option<Vec<Piece>> = pieces(bytes).into_par_iter().map(Piece::read).collect();
+    let pieces = pieces?;
+    let positions: Vec<[f32; 3]> = pieces.iter().flat_map(|piece| &piece.positions).copied().collect();
+    for kind in 0..2 {
+        let count: usize = pieces.iter().map(|piece| piece.others[kind].0).sum();
+        if pieces.iter().any(|piece| piece.others[kind].1 > count) {
+            return None;
+        }
+    }
+    let triangles: Vec<[u32; 3]> = pieces.iter().flat_map(|piece| &piece.triangles).copied().collect();
+    drop(pieces);
+    let mut is_used = vec![false; positions.len()];
+    for &corner in triangles.as_flattened() {
+        *is_used.get_mut(corner as usize)? = true;
+    }
+    let (positions, triangles) = without_unused(positions, triangles, &is_used);
+    let is_finite = |position: &[f32; 3]| position.iter().all(|coordinate| coordinate.is_finite());
+    positions.iter().all(is_finite).then_some((positions, triangles))
+}
+
+/// Cuts a text at ends of lines.
+fn pieces(mut rest: &[u8]) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    while rest.len() > PIECE {
+        let line_end = rest[PIECE..].iter().position(|&byte| byte == b'\n');
+        let (piece, after) = rest.split_at(line_end.map_or(rest.len(), |end| PIECE + end + 1));
+        pieces.push(piece);
+        rest = after;
+    }
+    pieces.push(rest);
+    pieces
+}
+
+fn without_unused(positions: Vec<[f32; 3]>, mut triangles: Vec<[u32; 3]>, is_used: &[bool]) -> Geometry {
+    if is_used.iter().all(|&used| used) {
+        return (positions, triangles);
+    }
+    let mut kept = 0;
+    let new_number: Vec<u32> = is_used
+        .iter()
+        .map(|&used| {
+            kept += u32::from(used);
+            kept.wrapping_sub(1)
+        })
+        .collect();
+    for corner in triangles.as_flattened_mut() {
+        *corner = new_number[*corner as usize];
+    }
+    let used = positions.into_iter().zip(is_used).filter(|(_, used)| **used);
+    (used.map(|(position, _)| position).collect(), triangles)
+}
+
+impl Piece {
+    fn read(text: &[u8]) -> Option<Self> {
+        let mut piece = Self::default();
+        for line in text.split(|&byte| byte == b'\n') {
+            let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+            match words.next() {
+                Some(b"v") => piece.positions.push(numbers(&mut words)?),
+                Some(b"vt") => {
+                    numbers::<2>(&mut words)?;
+                    piece.others[0].0 += 1;
+                    // A third coordinate is nobody's business.
+                    continue;
+                }
+                Some(b"vn") => {
+                    numbers::<3>(&mut words)?;
+                    piece.others[1].0 += 1;
+                }
+                Some(b"f") => piece.face(&mut words)?,
+                Some(word) if matches!(word[0], b'v' | b'f') => return None,
+                _ => continue,
+            }
+            if words.next().is_some() {
+                return None;
+            }
+        }
+        Some(piece)
+    }
+
+    /// A polygon becomes a fan around its first corner.
+    fn face<'a>(&mut self, words: &mut impl Iterator<Item = &'a [u8]>) -> Option<()> {
+        let first = self.corner(words.next()?)?;
+        let mut second = self.corner(words.next()?)?;
+        let mut third = self.corner(words.next()?)?;
+        loop {
+            self.triangles.push([first, second, third]);
+            let Some(word) = words.next() else { return Some(()) };
+            (second, third) = (third, self.corner(word)?);
+        }
+    }
+
+    /// The number of a corner's position, from 0: of `i`, `i/j`, `i//k` or `i/j/k`.
+    fn corner(&mut self, word: &[u8]) -> Option<u32> {
+        let mut parts = word.split(|&byte| byte == b'/');
+        let position = index(parts.next()?)?;
+        for other in &mut self.others {
+            match parts.next() {
+                None => break,
+                Some(b"") => {}
+                Some(part) => other.1 = other.1.max(index(part)? as usize),
+            }
+        }
+        parts.next().is_none().then(|| position - 1)
+    }
+}
+
+/// The next `N` words as numbers.
+fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<[f32; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = std::str::from_utf8(words.next()?).ok()?.parse().ok()?;
+    }
+    Some(numbers)
+}
+
+/// A number from 1 to 999,999,999.
+fn index(digits: &[u8]) -> Option<u32> {
+    if digits.is_empty() || digits.len() > 9 {
+        return None;
+    }
+    let mut value = 0;
+    for &digit in digits {
+        value = 10 * value + u32::from(digit.is_ascii_digit().then(|| digit - b'0')?);
+    }
+    (value > 0).then_some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_files_are_read_as_written() {
+        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0\nvt 0 1\nv 1 1 .5e0\nv 0 1 0\ng a\nf 1/1 3 4 5//\n";
+        let (positions, triangles) = read(text).unwrap();
+        assert_eq!(positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn pieces_belong_together() {
+        let vertices: String = (0..30_000).map(|i| format!("v {i} 0.5 -1\n")).collect();
+        let faces: String = (1..29_999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
+        let (positions, triangles) = read(format!("{vertices}{faces}").as_bytes()).unwrap();
+        assert_eq!((positions.len(), positions[29_999][0]), (30_000, 29_999.0));
+        assert_eq!((triangles.len(), triangles[29_997]), (29_998, [29_997, 29_998, 29_999]));
+    }
+
+    #[test]
+    fn everything_else_is_left_to_others() {
+        const THREE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        for rest in [
+            "f 1 2",
+            "f 1 2 4",
+            "f -1 -2 -3",
+            "f 1 2 0",
+            "f 1 2 x",
+            "f 1/1 2 3",
+            "f 1//1 2 3",
+            "f 1/1/1/1 2 3",
+            "v 1 2",
+            "v 1 2 3 4",
+            "v 1 2 nan\nf 1 2 4",
+            "vt 1",
+            "vn 1 2",
+            "vp 1 2 3",
+            "fo 1 2 3",
+            "f 1 2 \u{663}",
+        ] {
+            assert!(read(format!("{THREE}{rest}\n").as_bytes()).is_none(), "{rest}");
+        }
+    }
+}
