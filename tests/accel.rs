@@ -210,7 +210,7 @@ fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
         let vector = |p: [f32; 3]| Vector3::from(p.map(Real::from));
         let made = objects.into_iter().flat_map(|(kind, matrix, p, q, copies)| {
             let (shape, bounds) = match kind {
-                0 => (Shape::Plane(Plane { normal: vector(p) + Vector3::splat(0.1), offset: q[0].into() }), None),
+                0 => (Shape::Plane(Plane::new(vector(p) + Vector3::splat(0.1), q[0].into(), false)), None),
                 1 | 2 => {
                     let sphere = Sphere { center: vector(p), radius: Real::from(q[0].abs()) + 0.1 };
                     let bounds = sphere.bounds();
@@ -223,12 +223,8 @@ fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
                 }
                 _ => (Shape::Mesh(u32::from(kind % 2)), Some(*meshes[usize::from(kind % 2)].bounds())),
             };
-            let bounds = bounds.map(|bounds| {
-                let world = matrix.as_ref().map_or(bounds, |matrix| bounds.transformed(matrix));
-                world.grown(world.max_abs() * 1e-12)
-            });
             let placement = matrix.and_then(|matrix| Placement::new(&matrix).ok()).map(Box::new);
-            let object = Object { shape, placement, material: 0, bounds };
+            let object = Object::new(shape, placement, 0, bounds.as_ref());
             (0..=copies / 2).map(move |_| object.clone())
         });
         (made.collect(), meshes)
