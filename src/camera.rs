@@ -33,7 +33,10 @@ impl Camera {
         }
         // libm gives the same bits on every machine.
         let half_height = libm::tan(angle_radians / 2.0) as Real;
-        Ok(Self { center, forward: direction / half_height, horizontal: direction.cross(up).normalized(), up })
+        // Products with a vector of extreme length would leave the range of numbers; any other is used as it is.
+        let usual = (1e-30..1e30).contains(&up.max_abs());
+        let horizontal = if usual { direction.cross(up).normalized() } else { across.normalized() };
+        Ok(Self { center, forward: direction / half_height, horizontal, up })
     }
 
     /// The ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
@@ -98,6 +101,17 @@ mod tests {
         let direction = skewed.unwrap().ray(0.0, 1.0).direction;
         let expected = Vector3::new(0.0, 3.0, -2.0).normalized();
         assert!((direction - expected).max_abs() < 4.0 * Real::EPSILON);
+    }
+
+    #[test]
+    fn up_may_be_of_any_length() {
+        for length in [Real::MIN_POSITIVE, 1e-31, 1e31, Real::MAX] {
+            let up = Vector3::new(0.6, 0.8, 0.5) * length;
+            let camera = Camera::new(Vector3::ZERO, -Z, up, std::f64::consts::FRAC_PI_2).unwrap();
+            let sideways = camera.ray(1.0, 0.0).direction - camera.ray(-1.0, 0.0).direction;
+            let expected = Vector3::new(0.8, -0.6, 0.0) * (2.0 as Real).sqrt();
+            assert!((sideways - expected).max_abs() < 8.0 * Real::EPSILON, "{length}: {sideways:?}");
+        }
     }
 
     #[test]
