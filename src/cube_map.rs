@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use image::{ImageDecoder, ImageReader};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use vecmath::{Real, Vector3};
@@ -57,21 +58,17 @@ impl CubeMap {
 
     /// The colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
-        let d = direction.normalized();
-        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
-        let unit = |ratio: Real| (ratio + 1.0) / 2.0;
-        // Which way a face's picture is turned, or mirrored, is the starter's choice.
-        let (face, u, v) = if x >= y && x >= z {
-            let (u, v) = (unit(d.z / d.x), unit(d.y / d.x));
-            if d.x > 0.0 { (0, u, v) } else { (1, u, 1.0 - v) }
-        } else if y >= z {
-            let (u, v) = (unit(d.x / d.y), unit(d.z / d.y));
-            if d.y > 0.0 { (2, u, v) } else { (3, 1.0 - u, 1.0 - v) }
-        } else {
-            let (u, v) = (unit(d.x / d.z), unit(d.y / d.z));
-            if d.z > 0.0 { (4, 1.0 - u, v) } else { (5, u, 1.0 - v) }
-        };
+        let (face, u, v) = place(direction);
         self.faces[face].color(u, v)
+    }
+
+    /// Decodes the faces that these directions reach, all at once.
+    pub fn decode(&self, directions: &[Vector3]) {
+        let mut is_reached = [false; 6];
+        directions.iter().for_each(|&direction| is_reached[place(direction).0] = true);
+        self.faces.par_iter().zip(is_reached).with_max_len(1).filter(|reached| reached.1).for_each(|(face, _)| {
+            face.texels.get_or_init(|| face.decode());
+        });
     }
 
     /// How many faces have been decoded so far.
@@ -90,6 +87,24 @@ impl CubeMap {
             }
         }
         Ok(())
+    }
+}
+
+/// The face in a direction, and where on it: u and v from 0 to 1.
+fn place(direction: Vector3) -> (usize, Real, Real) {
+    let d = direction.normalized();
+    let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+    let unit = |ratio: Real| (ratio + 1.0) / 2.0;
+    // Which way a face's picture is turned, or mirrored, is the starter's choice.
+    if x >= y && x >= z {
+        let (u, v) = (unit(d.z / d.x), unit(d.y / d.x));
+        if d.x > 0.0 { (0, u, v) } else { (1, u, 1.0 - v) }
+    } else if y >= z {
+        let (u, v) = (unit(d.x / d.y), unit(d.z / d.y));
+        if d.y > 0.0 { (2, u, v) } else { (3, 1.0 - u, 1.0 - v) }
+    } else {
+        let (u, v) = (unit(d.x / d.z), unit(d.y / d.z));
+        if d.z > 0.0 { (4, 1.0 - u, v) } else { (5, u, 1.0 - v) }
     }
 }
 

@@ -27,27 +27,49 @@ pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Prog
     let film = Film::new(args.width, args.height, plan);
     let columns = args.width.div_ceil(TILE);
     let tiles = columns as usize * args.height.div_ceil(TILE) as usize;
+    decode_faces_ahead(scene, plan, args);
     let shared = Mutex::new((film, RayCounts::default(), 0));
-    (0..tiles).into_par_iter().for_each(|index| {
-        let (column, row) = (index as u32 % columns, index as u32 / columns);
-        let tile = Tile {
-            x: column * TILE,
-            row: row * TILE,
-            width: TILE.min(args.width - column * TILE),
-            height: TILE.min(args.height - row * TILE),
-        };
-        let mut sampler = Sampler::new(scene, plan, args);
-        let pixels = sampler.tile(&tile);
-        // A poisoned lock means that another thread has panicked, and that panic is on its way up.
-        let Ok(mut guard) = shared.lock() else { return };
-        let (film, counts, done) = &mut *guard;
-        film.set_tile(tile.x, tile.row, tile.width, &pixels);
-        *counts += sampler.tracer.counts;
-        *done += 1;
-        progress.advance(*done, tiles);
-    });
+    (0..tiles).into_par_iter().for_each_init(
+        || Sampler::new(scene, plan, args),
+        |sampler, index| {
+            let (column, row) = (index as u32 % columns, index as u32 / columns);
+            let tile = Tile {
+                x: column * TILE,
+                row: row * TILE,
+                width: TILE.min(args.width - column * TILE),
+                height: TILE.min(args.height - row * TILE),
+            };
+            let pixels = sampler.tile(&tile);
+            // A poisoned lock means that another thread has panicked, and that panic is on its way up.
+            let Ok(mut guard) = shared.lock() else { return };
+            let (film, counts, done) = &mut *guard;
+            film.set_tile(tile.x, tile.row, tile.width, &pixels);
+            *counts += std::mem::take(&mut sampler.tracer.counts);
+            *done += 1;
+            progress.advance(*done, tiles);
+        },
+    );
     let (film, counts, _) = shared.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     (film, counts)
+}
+
+/// Decodes the cube map faces that a few rays reach, before threads wait for one another at the first ray to reach each.
+fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
+    /// Pixels along each side that are tried, and the least picture that is worth it.
+    const TRIED: u32 = 32;
+    let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };
+    if args.width < 2 * TRIED || args.height < 2 * TRIED {
+        return;
+    }
+    let grid = PixelGrid { width: args.width, height: args.height };
+    let pixel = |i: u32, count: u32| (u64::from(i) * u64::from(count - 1) / u64::from(TRIED - 1)) as u32;
+    let rays = (0..TRIED * TRIED).map(|i| {
+        let (x, row) = (pixel(i % TRIED, args.width), pixel(i / TRIED, args.height));
+        let (ndc_x, ndc_y) = grid.ndc(x, row, 0.0, 0.0);
+        scene.camera.ray(ndc_x, ndc_y)
+    });
+    let rays: Vec<Ray> = rays.collect();
+    cube_map.decode(&Tracer::new(scene, plan).escaping(&rays));
 }
 
 /// A rectangle of pixels.

@@ -98,6 +98,28 @@ impl<'a> Tracer<'a> {
         self.batch = batch;
     }
 
+    /// The directions in which rays from the camera leave the scene, at once or after a few mirrors.
+    pub fn escaping(&self, rays: &[Ray]) -> Vec<Vector3> {
+        const MIRRORS: u32 = 4;
+        let (mut rays, mut hits, mut escaped) = (rays.to_vec(), Vec::new(), Vec::new());
+        for _ in 0..=self.plan.bounces.min(MIRRORS) {
+            self.closest_hits(&rays, &mut hits);
+            let onward = rays.iter().zip(&hits).filter_map(|(ray, hit)| {
+                let Some(hit) = hit else {
+                    escaped.push(ray.direction);
+                    return None;
+                };
+                let object = &self.scene.objects[hit.object as usize];
+                let reflected = mirrored(ray.direction, self.normal(ray, hit));
+                let origin = ray.at(hit.at.t) + reflected * RAY_OFFSET;
+                let is_mirror = self.scene.materials[object.material as usize].is_mirror();
+                is_mirror.then_some(Ray { origin, direction: reflected })
+            });
+            rays = onward.collect();
+        }
+        escaped
+    }
+
     /// The colours of rays whose nearest hits are known, mirrors included.
     ///
     /// The recursion of the course, written as a loop with running weights: as deep as `-bounces` asks for without
