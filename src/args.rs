@@ -3,8 +3,13 @@
 //! The flags are the course's single-dash long flags (`-input`); the double-dash spelling works too. `clap` splits the
 //! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
 
+mod measuring;
+
+pub use measuring::{DEFAULT_SAMPLES, MAX_SAMPLES, MeasureArgs};
+
 use crate::accel::simd::Level;
 use crate::error::{Error, probably_meant};
+use crate::film::ExtraPlanes;
 use crate::render::robust::Epsilon;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches};
@@ -50,6 +55,30 @@ pub struct RenderArgs {
     pub simd: Level,
     /// Print the plan.
     pub explain: bool,
+    pub measure: MeasureArgs,
+}
+
+impl RenderArgs {
+    /// Samples a pixel of the traced grid.
+    pub fn samples(&self) -> u32 {
+        if self.jitter { self.measure.samples.unwrap_or(DEFAULT_SAMPLES) } else { 1 }
+    }
+
+    /// Whether the colour picture's file is to hold numbers instead of bytes.
+    pub fn color_is_numbers(&self) -> bool {
+        self.color.as_ref().is_some_and(|path| !has_extension(path, "png"))
+    }
+
+    pub fn extra_planes(&self) -> ExtraPlanes {
+        let measure = &self.measure;
+        let linear = self.color_is_numbers() || measure.reference.is_some() || measure.keep_linear;
+        ExtraPlanes { linear: linear && self.color.is_some(), error_map: measure.error_map.is_some() }
+    }
+
+    /// Pixels of the traced grid a pixel of the picture.
+    pub fn grid_pixels(&self) -> u32 {
+        if self.filter { 9 } else { 1 }
+    }
 }
 
 /// `-depth MIN MAX FILE`
@@ -94,13 +123,15 @@ type Flag = (&'static str, &'static [&'static str], &'static str);
 
 const FLAGS: &[Flag] = &[
     ("input", &["FILE"], "Scene file, name ends in .txt"),
-    ("output", &["FILE"], "Colour picture (PNG)"),
+    ("output", &["FILE"], "Colour picture: .png, or .pfm or .exr for numbers that are not rounded"),
     ("size", &["W", "H"], "Picture size in pixels [default: 100 100]"),
     ("depth", &["MIN", "MAX", "FILE"], "Depth picture (PNG): black at distance MIN, white at MAX"),
     ("normals", &["FILE"], "Picture of the surface normals (PNG): (n + 1)/2 per component"),
     ("bounces", &["N"], "Depth of mirror recursion [default: 0]"),
     ("shadows", &[], "Trace shadow rays"),
     ("jitter", &[], "16 jittered samples per pixel"),
+    ("samples", &["N"], "With random samples: so many per pixel [default: 16]; implies -jitter"),
+    ("sampler", &["NAME"], "independent, stratified or sobol [default: stratified]; implies -jitter"),
     ("filter", &[], "Render at 3 times the size, then filter down with a Gaussian"),
     (
         "epsilon",
@@ -111,6 +142,13 @@ const FLAGS: &[Flag] = &[
     ("threads", &["N"], "Worker threads [default: one per processor]"),
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
     ("simd", &["LEVEL"], "scalar or avx2, same pictures [default: the best this processor has]"),
+    ("stats", &[], "Table of times, rays, memory and estimated error on standard error"),
+    ("report", &["FILE"], "The same as JSON; with either, samples are taken in two independent halves"),
+    ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),
+    ("error-map", &["FILE"], "Picture of the estimated error (PNG), white at 16 levels; implies -jitter"),
+    ("convergence", &["FILE"], "Table (CSV) of error against samples 1, 2, 4 ... N; implies -jitter"),
+    ("target-error", &["LEVELS"], "Sample where needed until the estimated RMSE is below; implies -jitter"),
+    ("time-limit", &["SECONDS"], "Stop in time with the best picture so far; implies -jitter"),
     ("explain", &[], "Say on standard error what this scene needs and what is left out"),
     ("quiet", &[], "No progress bar and no warnings"),
     ("compare", &["A", "B"], "Compare two pictures instead: exit code 0 if alike, 1 if not"),
@@ -278,6 +316,14 @@ fn must_be_png(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
     Err(usage_error(flag, message))
 }
 
+/// The colour picture may also hold numbers instead of bytes.
+fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
+    if ["pfm", "exr"].iter().any(|extension| has_extension(&path, extension)) {
+        return Ok(path);
+    }
+    must_be_png("output", path)
+}
+
 fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
@@ -296,14 +342,14 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
     let threads = format!("a whole number from 1 to {MAX_THREADS}");
     let args = RenderArgs {
         input,
-        color: typed.png_path("output")?,
+        color: typed.path("output").map(must_be_a_picture).transpose()?,
         depth: depth_picture(typed)?,
         normals: typed.png_path("normals")?,
         width: side(0)?.unwrap_or(100),
         height: side(1)?.unwrap_or(100),
         bounces: typed.number("bounces", 0, &bounces, |n| *n <= MAX_BOUNCES)?.unwrap_or(0),
         shadows: typed.has("shadows"),
-        jitter: typed.has("jitter"),
+        jitter: measuring::jitter(typed),
         filter: typed.has("filter"),
         epsilon: epsilon(typed)?,
         robust: typed.has("robust"),
@@ -312,10 +358,14 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         quiet: typed.has("quiet"),
         simd: simd_level(typed)?,
         explain: typed.has("explain"),
+        measure: MeasureArgs::new(typed)?,
     };
     let pixels = u64::from(args.width) * u64::from(args.height);
     if pixels > MAX_PIXELS {
         return Err(usage_error("size", format!("expected at most {MAX_PIXELS} pixels in all, found {pixels}")));
+    }
+    if let (Some(flag), None) = (args.measure.needs_color(), &args.color) {
+        return Err(usage_error(flag, "is about colours: give -output too"));
     }
     let pictures = [args.color.as_ref(), args.depth.as_ref().map(|depth| &depth.path), args.normals.as_ref()];
     let pictures: Vec<_> = pictures.into_iter().flatten().collect();
@@ -323,7 +373,8 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
         let message = "no picture is asked for: give -output, -depth or -normals";
         return Err(Error::Usage(message.into()));
     }
-    if (1..pictures.len()).any(|i| pictures[..i].contains(&pictures[i])) {
+    let files: Vec<_> = pictures.into_iter().chain(args.measure.outputs().into_iter().flatten()).collect();
+    if (1..files.len()).any(|i| files[..i].contains(&files[i])) {
         return Err(Error::Usage("two pictures have the same file name".into()));
     }
     Ok(args)

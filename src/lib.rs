@@ -9,7 +9,8 @@
 //! 5. [`render`]: the pictures' pixels, ray by ray ([`render::trace`] is the heart of it);
 //! 6. [`film`]: bytes and files.
 //!
-//! [`mod@compare`] stands beside: it measures how much two pictures differ.
+//! [`mod@compare`], [`mod@reference`], [`convergence`] and [`report`] stand beside: they measure how much pictures differ,
+//! and what the work cost.
 #![deny(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
@@ -18,6 +19,7 @@ pub mod accel;
 pub mod args;
 pub mod camera;
 pub mod compare;
+pub mod convergence;
 pub mod cube_map;
 pub mod error;
 pub mod film;
@@ -26,6 +28,7 @@ pub mod material;
 pub mod objects;
 pub mod plan;
 mod progress;
+pub mod reference;
 pub mod render;
 pub mod report;
 pub mod scene;
@@ -36,11 +39,15 @@ use error::Error;
 use film::Film;
 use plan::Plan;
 use rayon::prelude::*;
-use report::RayCounts;
+use reference::{Reference, TrueError};
+use render::Frame;
+use render::estimate::ErrorEstimate;
+use report::{Phases, RayCounts, Report, Sampling, Stopwatch, Times};
 use scene::compile::{Compiled, compile};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// What a run has to say, and how it ended.
 #[derive(Debug)]
@@ -89,26 +96,88 @@ pub struct Rendered {
     pub decoded_faces: usize,
     /// What the scene's author should know.
     pub warnings: Vec<String>,
+    /// What was not done, a sentence each.
+    pub left_out: Vec<String>,
+    pub phases: Phases,
+    pub sampling: Sampling,
+    /// How wrong the colours are, where the samples tell it.
+    pub estimate: Option<ErrorEstimate>,
+    pub true_error: Option<TrueError>,
+    /// With `-convergence`.
+    pub convergence: Vec<convergence::Point>,
 }
 
-/// Renders the pictures that `args` asks for, in memory. `report` is told about every finished part.
+/// Renders the pictures that `args` asks for, in memory. A time limit counts from here.
 ///
 /// # Errors
 /// Whatever is wrong with the scene or a file that it names.
 pub fn render_scene(args: &RenderArgs) -> Result<Rendered, Error> {
+    let deadline = deadline(args);
+    let mut phases = Phases::default();
+    let reference = args.measure.reference.as_ref().map(|path| Reference::read(path, args.width, args.height));
+    let reference = reference.transpose()?;
+    let watch = Stopwatch::start();
     let description = scene::parser::parse_file(&args.input)?;
     let plan = Plan::new(args, &description);
+    phases.parse = watch.times();
     if args.explain {
         say(&plan.explain(args));
     }
-    let Compiled { scene, warnings } = compile(&description, &plan)?;
+    let watch = Stopwatch::start();
+    let Compiled { scene, warnings, build } = compile(&description, &plan)?;
     drop(description);
+    phases.build = build;
+    phases.load = watch.times().without(build);
     let progress = progress::Bar::new(args.quiet);
-    let (film, counts) = render::render(&scene, &plan, args, &progress);
+    let watch = Stopwatch::start();
+    let mut sampling =
+        Sampling::even(u64::from(args.width) * u64::from(args.height), args.samples() * args.grid_pixels());
+    let mut points = Vec::new();
+    let frame: Frame;
+    if args.measure.is_progressive() {
+        (frame, sampling) = render::render_progressively(&scene, &plan, args, deadline, &progress);
+    } else if args.measure.convergence.is_some() {
+        (frame, points) = convergence::render_doubling(&scene, &plan, args, reference.as_ref(), &progress);
+    } else {
+        frame = render::render(&scene, &plan, args, &progress);
+    }
+    let filter = frame.filter.unwrap_or_default();
+    phases.filter = Times { wall: filter / rayon::current_num_threads() as u32, cpu: filter };
+    phases.render = watch.times().without(phases.filter);
     let cube_map = scene.background.cube_map.as_ref();
     cube_map.map_or(Ok(()), cube_map::CubeMap::check_decoded_faces)?;
     let decoded_faces = cube_map.map_or(0, cube_map::CubeMap::decoded_faces);
-    Ok(Rendered { film, counts, decoded_faces, warnings })
+    let true_error = reference.and_then(|reference| reference.error_of(&frame.film));
+    Ok(Rendered {
+        estimate: frame.errors.estimate(),
+        film: frame.film,
+        counts: frame.counts,
+        decoded_faces,
+        warnings,
+        left_out: plan.left_out,
+        phases,
+        sampling,
+        true_error,
+        convergence: points,
+    })
+}
+
+/// When to stop tracing rays, so that there is time left to write the pictures.
+fn deadline(args: &RenderArgs) -> Option<Instant> {
+    /// A slow disk, and a PNG that does not compress.
+    const BYTES_A_SECOND: f64 = 60e6;
+    /// What cannot be interrupted: the rays under way, starting and ending threads.
+    const MARGIN: f64 = 0.01;
+    let limit = args.measure.time_limit?;
+    let planes = [args.color.is_some(), args.normals.is_some(), args.depth.is_some()];
+    let bytes = planes.iter().filter(|wanted| **wanted).count() as f64
+        * 3.0
+        * f64::from(args.width)
+        * f64::from(args.height)
+        * if args.color_is_numbers() { 4.0 } else { 1.0 };
+    let seconds = (limit - bytes / BYTES_A_SECOND - MARGIN).max(0.0);
+    // A limit beyond the clock's range is none.
+    Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?)
 }
 
 /// Writes to standard error. That nobody reads it is no reason to fail.
@@ -117,15 +186,19 @@ fn say(text: &str) {
 }
 
 fn render_to_files(args: &RenderArgs) -> Result<(), Error> {
+    let total = Stopwatch::start();
     let depth_path = args.depth.as_ref().map(|depth| depth.path.as_path());
-    for path in [args.color.as_deref(), args.normals.as_deref(), depth_path].into_iter().flatten() {
+    let pictures = [args.color.as_deref(), args.normals.as_deref(), depth_path];
+    let measure = &args.measure;
+    let others = [measure.error_map.as_deref(), measure.report.as_deref(), measure.convergence.as_deref()];
+    for path in pictures.into_iter().chain(others).flatten() {
         film::check_writable(path)?;
     }
     let threads = args.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))?;
     pool.install(|| {
-        let rendered = render_scene(args)?;
+        let mut rendered = render_scene(args)?;
         if !args.quiet {
             for warning in &rendered.warnings {
                 say(&format!("warning: {warning}\n"));
@@ -134,15 +207,65 @@ fn render_to_files(args: &RenderArgs) -> Result<(), Error> {
         if args.explain {
             say(&format!("{}cube map faces decoded: {}\n", rendered.counts, rendered.decoded_faces));
         }
-        let film = &rendered.film;
-        let planes: [(Option<&Path>, &Option<Vec<u8>>); 3] = [
-            (args.color.as_deref(), &film.color),
-            (args.normals.as_deref(), &film.normals),
-            (depth_path, &film.depth),
-        ];
-        planes.into_par_iter().try_for_each(|(path, plane)| match (path, plane) {
-            (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, bytes),
-            _ => Ok(()),
-        })
+        let watch = Stopwatch::start();
+        write_pictures(args, &rendered.film)?;
+        rendered.phases.encode = watch.times();
+        write_findings(args, rendered, &total)
     })
+}
+
+fn write_pictures(args: &RenderArgs, film: &Film) -> Result<(), Error> {
+    if let (Some(path), Some(numbers), true) = (&args.color, &film.linear, args.color_is_numbers()) {
+        film::write_numbers(path, film.width, film.height, numbers)?;
+    }
+    let planes: [(Option<&Path>, &Option<Vec<u8>>); 4] = [
+        (args.color.as_deref().filter(|_| !args.color_is_numbers()), &film.color),
+        (args.normals.as_deref(), &film.normals),
+        (args.depth.as_ref().map(|depth| depth.path.as_path()), &film.depth),
+        (args.measure.error_map.as_deref(), &film.error_map),
+    ];
+    planes.into_par_iter().try_for_each(|(path, plane)| match (path, plane) {
+        (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, bytes),
+        _ => Ok(()),
+    })
+}
+
+/// What was measured, where it was asked for.
+fn write_findings(args: &RenderArgs, rendered: Rendered, total: &Stopwatch) -> Result<(), Error> {
+    let measure = &args.measure;
+    let write_text =
+        |path: &Path, text: &str| film::write_whole(path, "the file", |file| file.write_all(text.as_bytes()));
+    if let Some(path) = &measure.convergence {
+        write_text(path, &convergence::csv(args, &rendered.convergence))?;
+    }
+    let report = Report {
+        args,
+        threads: rayon::current_num_threads(),
+        phases: rendered.phases,
+        total: total.times(),
+        counts: rendered.counts,
+        decoded_faces: rendered.decoded_faces,
+        left_out: &rendered.left_out,
+        sampling: rendered.sampling,
+        estimate: rendered.estimate,
+        true_error: rendered.true_error,
+    };
+    if let Some(path) = &measure.report {
+        write_text(path, &report.json())?;
+    }
+    if measure.stats {
+        say(&report.table());
+    } else if !args.quiet {
+        if measure.is_progressive() {
+            say(&report.verdict());
+        }
+        if let (Some(error), None) = (&report.true_error, &measure.report) {
+            say(&error.to_string());
+        }
+    }
+    let missed = measure.target_error.filter(|&target| !report.is_below(target));
+    if let (Some(target), false) = (missed, args.quiet) {
+        say(&format!("warning: the target error of {target} levels was not reached\n"));
+    }
+    Ok(())
 }

@@ -115,14 +115,12 @@ impl Plan {
         let mut text = String::new();
         let pictures = [(self.color, "colour"), (self.normals, "normals"), (self.depth, "depth")];
         let pictures: Vec<&str> = pictures.iter().filter(|picture| picture.0).map(|picture| picture.1).collect();
-        let samples = if args.jitter { 16 } else { 1 } * if args.filter { 9 } else { 1 };
-        let _ = writeln!(
-            text,
-            "plan: {} x {} pixels of {}, {samples} sample(s) a pixel",
-            args.width,
-            args.height,
-            pictures.join(", ")
-        );
+        let samples = match args.measure.is_progressive() {
+            true => "as many samples as it takes".to_owned(),
+            false => format!("{} sample(s) a pixel", args.samples() * args.grid_pixels()),
+        };
+        let _ =
+            writeln!(text, "plan: {} x {} pixels of {}, {samples}", args.width, args.height, pictures.join(", "));
         if self.color {
             let _ = writeln!(
                 text,

@@ -1,7 +1,149 @@
 //! What the work amounted to, carried beside the pictures.
 
+mod text;
+
+use crate::args::RenderArgs;
+use crate::reference::TrueError;
+use crate::render::estimate::ErrorEstimate;
+use cpu_time::ProcessTime;
 use std::fmt;
-use std::ops::AddAssign;
+use std::ops::{Add, AddAssign};
+use std::time::{Duration, Instant};
+
+/// Time on the clock, and time that all processors together spent on this program.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Times {
+    pub wall: Duration,
+    pub cpu: Duration,
+}
+
+impl AddAssign for Times {
+    fn add_assign(&mut self, other: Self) {
+        self.wall += other.wall;
+        self.cpu += other.cpu;
+    }
+}
+
+impl Add for Times {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl Times {
+    /// What is left without a part, at least nothing.
+    #[must_use]
+    pub fn without(self, part: Self) -> Self {
+        Self { wall: self.wall.saturating_sub(part.wall), cpu: self.cpu.saturating_sub(part.cpu) }
+    }
+}
+
+/// Measures [`Times`].
+#[derive(Debug)]
+pub struct Stopwatch {
+    wall: Instant,
+    cpu: Option<ProcessTime>,
+}
+
+impl Stopwatch {
+    pub fn start() -> Self {
+        Self { wall: Instant::now(), cpu: ProcessTime::try_now().ok() }
+    }
+
+    /// The times since the start.
+    pub fn times(&self) -> Times {
+        let cpu = self.cpu.and_then(|start| Some(ProcessTime::try_now().ok()?.duration_since(start)));
+        Times { wall: self.wall.elapsed(), cpu: cpu.unwrap_or_default() }
+    }
+}
+
+/// The parts of the work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Phases {
+    /// The scene's text.
+    pub parse: Times,
+    /// Meshes and pictures that the scene names, but not the building of trees.
+    pub load: Times,
+    /// The trees that find hits.
+    pub build: Times,
+    /// All rays.
+    pub render: Times,
+    /// From samples to pixels. This happens between rays on all threads; its wall time is its CPU time divided by
+    /// the number of threads, and not contained in `render`. Nothing in the modes that sample in waves, where samples
+    /// are added up as they come.
+    pub filter: Times,
+    /// Writing pictures.
+    pub encode: Times,
+}
+
+impl Phases {
+    pub fn named(&self) -> [(&'static str, Times); 6] {
+        [
+            ("parse", self.parse),
+            ("load", self.load),
+            ("build", self.build),
+            ("render", self.render),
+            ("filter", self.filter),
+            ("encode", self.encode),
+        ]
+    }
+}
+
+/// How many samples the pixels of the picture got.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sampling {
+    pub pixels: u64,
+    pub total: u64,
+    pub least: Option<u32>,
+    pub most: u32,
+    /// Passes over the picture; 0 where the number of samples was known before.
+    pub waves: u32,
+}
+
+impl Sampling {
+    pub fn add_pixel(&mut self, samples: u32) {
+        self.pixels += 1;
+        self.total += u64::from(samples);
+        self.least = Some(self.least.map_or(samples, |least| least.min(samples)));
+        self.most = self.most.max(samples);
+    }
+
+    /// The same number for all.
+    pub fn even(pixels: u64, samples: u32) -> Self {
+        Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, waves: 0 }
+    }
+
+    pub fn mean(&self) -> f64 {
+        self.total as f64 / self.pixels.max(1) as f64
+    }
+}
+
+/// Everything that is known about a run.
+#[derive(Debug)]
+pub struct Report<'a> {
+    pub args: &'a RenderArgs,
+    pub threads: usize,
+    pub phases: Phases,
+    pub total: Times,
+    pub counts: RayCounts,
+    pub decoded_faces: usize,
+    pub left_out: &'a [String],
+    pub sampling: Sampling,
+    /// `None` where nothing is random, or too few samples were taken to tell.
+    pub estimate: Option<ErrorEstimate>,
+    pub true_error: Option<TrueError>,
+}
+
+/// The most memory that this process has held at once, in bytes, where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}
 
 /// Rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +153,12 @@ pub struct RayCounts {
     pub mirror: u64,
     /// Shadow rays that were not traced because their light adds nothing, blocked or not.
     pub shadow_left_out: u64,
+}
+
+impl RayCounts {
+    pub fn total(&self) -> u64 {
+        self.camera + self.shadow + self.mirror
+    }
 }
 
 impl AddAssign for RayCounts {

@@ -13,9 +13,21 @@ use tempfile::NamedTempFile;
 /// # Errors
 /// [`Error::File`] when the folder does not exist or cannot be written to, or the disk is full.
 pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Error> {
-    let refused = |error: io::Error| Error::io(path, "write the picture", &error);
+    write_whole(path, "the picture", |file| encode(file, width, height, bytes))
+}
+
+/// Has `write` fill a file that appears under its name only when it is complete; errors call it `what`.
+///
+/// # Errors
+/// As [`write_png`].
+pub fn write_whole(
+    path: &Path,
+    what: &str,
+    write: impl FnOnce(&mut std::fs::File) -> io::Result<()>,
+) -> Result<(), Error> {
+    let refused = |error: io::Error| Error::io(path, &format!("write {what}"), &error);
     let mut file = temporary_beside(path)?;
-    encode(file.as_file_mut(), width, height, bytes).map_err(refused)?;
+    write(file.as_file_mut()).map_err(refused)?;
     file.persist(path).map_err(|error| refused(error.error))?;
     Ok(())
 }
@@ -41,7 +53,7 @@ fn temporary_beside(path: &Path) -> Result<NamedTempFile, Error> {
         return Err(Error::file(path, format!("the folder '{}' does not exist", folder.display())));
     }
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".a2-").suffix(".png.part");
+    builder.prefix(".a2-").suffix(".part");
     #[cfg(unix)]
     {
         // Temporary files are private by default, pictures are not; the process's umask applies.

@@ -4,8 +4,10 @@
 //! the bytes of the pictures that are asked for, and no others.
 
 mod encode;
+mod numbers;
 
-pub use encode::{check_writable, write_png};
+pub use encode::{check_writable, write_png, write_whole};
+pub use numbers::{NumberPicture, read_numbers, write_numbers};
 
 use crate::plan::Plan;
 use crate::render::trace::Seen;
@@ -77,11 +79,22 @@ pub struct Film {
     pub depth: Option<Vec<u8>>,
     /// Three bytes a pixel.
     pub normals: Option<Vec<u8>>,
+    /// Colours as traced, neither clamped nor rounded: three numbers a pixel.
+    pub linear: Option<Vec<f32>>,
+    /// Estimated standard errors of the colours: one byte a pixel, sixteen for a level.
+    pub error_map: Option<Vec<u8>>,
+}
+
+/// Planes of a film that no scene needs and that are kept on demand.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExtraPlanes {
+    pub linear: bool,
+    pub error_map: bool,
 }
 
 impl Film {
     /// A black film for the pictures of `plan`.
-    pub fn new(width: u32, height: u32, plan: &Plan) -> Self {
+    pub fn new(width: u32, height: u32, plan: &Plan, extra: ExtraPlanes) -> Self {
         let pixels = width as usize * height as usize;
         let plane = |wanted: bool, bytes: usize| wanted.then(|| vec![0; pixels * bytes]);
         Self {
@@ -90,6 +103,19 @@ impl Film {
             color: plane(plan.color, 3),
             depth: plane(plan.depth, 1),
             normals: plane(plan.normals, 3),
+            linear: extra.linear.then(|| vec![0.0; 3 * pixels]),
+            error_map: plane(extra.error_map, 1),
+        }
+    }
+
+    /// Stores the standard errors, in levels, of the pixels of a rectangle.
+    pub fn set_errors(&mut self, x: u32, row: u32, width: u32, levels: &[f64]) {
+        let Some(plane) = &mut self.error_map else { return };
+        for (line, levels) in levels.chunks_exact(width as usize).enumerate() {
+            let start = (row as usize + line) * self.width as usize + x as usize;
+            for (byte, levels) in plane[start..].iter_mut().zip(levels) {
+                *byte = (16.0 * levels).round() as u8;
+            }
         }
     }
 
@@ -100,6 +126,11 @@ impl Film {
             let places = start..start + pixels.len();
             if let Some(plane) = &mut self.color {
                 set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.color);
+            }
+            if let Some(plane) = &mut self.linear {
+                for (numbers, pixel) in plane[3 * places.start..].chunks_exact_mut(3).zip(pixels) {
+                    numbers.copy_from_slice(&pixel.color.to_array().map(|c| c as f32));
+                }
             }
             if let Some(plane) = &mut self.normals {
                 set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.normal);

@@ -5,6 +5,7 @@ use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
 use crate::accel::beam::{BEAM_RAYS, numbers_in};
 use crate::accel::simd::Level;
+use crate::report::{Stopwatch, Times};
 use vecmath::{Real, Vector3};
 
 /// Triangles that share corners by index.
@@ -18,6 +19,7 @@ pub struct Mesh {
     bounds: Aabb,
     /// `None` without triangles.
     tree: Option<TriangleTree>,
+    build_times: Times,
 }
 
 /// Where a ray meets a mesh.
@@ -34,14 +36,22 @@ impl Mesh {
             bounds: Aabb::of_points(positions.iter().map(|&p| to_vector(p))),
             vertex_normals: Vec::new(),
             tree: None,
+            build_times: Times::default(),
             positions,
             triangles,
         };
         mesh.vertex_normals = mesh.smooth_normals();
         if !mesh.triangles.is_empty() {
+            let watch = Stopwatch::start();
             mesh.tree = Some(mesh.built_tree());
+            mesh.build_times = watch.times();
         }
         mesh
+    }
+
+    /// What building the tree took.
+    pub fn build_times(&self) -> Times {
+        self.build_times
     }
 
     /// For each position, the sum of the unit normals of its faces as a unit vector. Faces count the same whatever

@@ -1,9 +1,14 @@
 //! [`Scene`](crate::scene::Scene) in, [`Film`](crate::film::Film) out. Begin reading at [`trace`].
 
+mod allocation;
+pub mod estimate;
+mod progressive;
+mod rays;
 pub mod robust;
 mod sampling;
 mod tiles;
 pub mod trace;
 
-pub use sampling::jitter_offset;
-pub use tiles::{Progress, render};
+pub use progressive::render as render_progressively;
+pub use sampling::{SamplePattern, SampleSet, SamplerKind};
+pub use tiles::{Frame, Progress, render};

@@ -1,21 +1,156 @@
 //! Where in its pixel a sample lies: a pure function of pixel, sample number and seed, so that every order of work
 //! gives the same picture.
+//!
+//! Each sampler gives any number of samples, every one uniform in the pixel when taken by itself, so that the mean is
+//! right for any number of them. They differ in how evenly the samples of a pixel are spread together.
 
 use vecmath::Real;
 
-/// Samples a pixel with `-jitter`.
-pub const JITTER_SAMPLES: u32 = STRATA * STRATA;
-/// Strata along each side of a pixel.
-const STRATA: u32 = 4;
+/// How the samples of a pixel are spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SamplerKind {
+    /// Each sample lies where it likes.
+    Independent,
+    /// One sample in each of as many cells of equal area, as nearly square as their number allows: the course's
+    /// "uniform sampling + random jitter".
+    #[default]
+    Stratified,
+    /// Sobol's sequence with Owen's scrambling, by the crate `sobol_burley` (Burley, Practical Hash-based Owen
+    /// Scrambling, JCGT 9(4), 2020). More samples can follow at any time.
+    Sobol,
+}
 
-/// The offset of sample `sample` (0 to 15) from its pixel, in pixels, both in \[0, 1): a random place in cell
-/// (sample mod 4, sample / 4) of a 4 x 4 grid.
-pub fn jitter_offset(x: u32, row: u32, sample: u32, seed: u64) -> (Real, Real) {
-    let bits = mixed(mixed(seed ^ mixed(u64::from(x) << 32 | u64::from(row))).wrapping_add(u64::from(sample)));
-    // The upper and the lower half are independent enough: every bit of the mix depends on every bit of the input.
-    let unit = |half: u64| half as Real * (0.5 as Real).powi(32);
-    let stratified = |cell: u32, random: Real| ((cell as Real + random) / STRATA as Real).min(BELOW_ONE);
-    (stratified(sample % STRATA, unit(bits >> 32)), stratified(sample / STRATA, unit(bits & 0xffff_ffff)))
+impl SamplerKind {
+    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
+
+    /// As the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Stratified => "stratified",
+            Self::Sobol => "sobol",
+        }
+    }
+
+    /// By which power of their number the squared error of samples of an edge falls: what to expect, not a promise.
+    /// A curved edge through n cells meets about the root of n of them, which for one sample a cell makes 3/2.
+    pub fn expected_decay(self) -> f64 {
+        match self {
+            Self::Independent => 1.0,
+            Self::Stratified | Self::Sobol => 1.5,
+        }
+    }
+}
+
+/// How sets of a certain number of samples are made.
+#[derive(Clone, Copy, Debug)]
+pub struct SamplePattern {
+    kind: SamplerKind,
+    cells: Cells,
+}
+
+impl SamplePattern {
+    /// Sets of `count` samples, which must not be 0; only the stratified sampler needs to know how many.
+    pub fn new(kind: SamplerKind, count: u32) -> Self {
+        Self { kind, cells: Cells::new(count) }
+    }
+
+    /// A set of samples of a pixel. Sets of different numbers are independent of each other.
+    pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {
+        // Set 0 of 16 stratified samples is what the default picture is made of.
+        let seed = if set == 0 { seed } else { mixed(seed ^ u64::from(set).rotate_left(40)) };
+        SampleSet { pattern: self, pixel_bits: mixed(seed ^ mixed(u64::from(x) << 32 | u64::from(row))) }
+    }
+}
+
+/// Samples of one pixel that are placed with regard to each other.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleSet<'a> {
+    pattern: &'a SamplePattern,
+    pixel_bits: u64,
+}
+
+impl SampleSet<'_> {
+    /// The offset of a sample from its pixel, in pixels, both in \[0, 1).
+    pub fn offset(&self, sample: u32) -> (Real, Real) {
+        match self.pattern.kind {
+            SamplerKind::Independent => {
+                // Not the bits of the stratified sampler, so that the samplers' pictures can be compared.
+                let (x, y) = self.random(u64::from(sample) ^ 0x6a09_e667_f3bc_c908);
+                (x.min(BELOW_ONE), y.min(BELOW_ONE))
+            }
+            SamplerKind::Stratified => {
+                let (x, y) = self.random(u64::from(sample));
+                self.pattern.cells.cell(sample).place(x, y)
+            }
+            SamplerKind::Sobol => {
+                // The crate's sequence has 2^16 points; further ones come from a sequence of its own.
+                let lap = u64::from(sample >> 16);
+                let seed = if lap == 0 { self.pixel_bits } else { mixed(self.pixel_bits ^ lap) } as u32;
+                let point = |dimension| sobol_burley::sample(sample & 0xffff, dimension, seed) as Real;
+                (point(0), point(1))
+            }
+        }
+    }
+
+    fn random(&self, index: u64) -> (Real, Real) {
+        let bits = mixed(self.pixel_bits.wrapping_add(index));
+        // The upper and the lower half are independent enough: every bit of the mix depends on every bit of the input.
+        let unit = |half: u64| half as Real * (0.5 as Real).powi(32);
+        (unit(bits >> 32), unit(bits & 0xffff_ffff))
+    }
+}
+
+/// A pixel divided into cells of equal area.
+///
+/// The rows hold as many cells as each other, or one more, and are as high as their number of cells asks for: so any
+/// number of cells covers the pixel, and none counts for more than another.
+#[derive(Clone, Copy, Debug)]
+struct Cells {
+    count: u32,
+    /// Cells in most rows.
+    columns: u32,
+    /// Cells in the rows that hold one more, which come first.
+    in_longer_rows: u32,
+}
+
+struct Cell {
+    column: u32,
+    columns: u32,
+    /// Cells in the rows before this one.
+    before: u32,
+    count: u32,
+}
+
+impl Cells {
+    fn new(count: u32) -> Self {
+        let rows = nearest_root(count);
+        let columns = count / rows;
+        Self { count, columns, in_longer_rows: (count % rows) * (columns + 1) }
+    }
+
+    fn cell(&self, index: u32) -> Cell {
+        let (columns, start) =
+            if index < self.in_longer_rows { (self.columns + 1, 0) } else { (self.columns, self.in_longer_rows) };
+        let (row, column) = ((index - start) / columns, (index - start) % columns);
+        Cell { column, columns, before: start + row * columns, count: self.count }
+    }
+}
+
+impl Cell {
+    /// The place in the pixel of a place in the cell.
+    fn place(&self, x: Real, y: Real) -> (Real, Real) {
+        let (columns, count) = (self.columns as Real, self.count as Real);
+        let x = (self.column as Real + x) / columns;
+        let y = (self.before as Real + y * columns) / count;
+        (x.min(BELOW_ONE), y.min(BELOW_ONE))
+    }
+}
+
+/// The whole number nearest to the root of `count`.
+fn nearest_root(count: u32) -> u32 {
+    let root = count.isqrt();
+    root + u32::from(count - root * root > root)
 }
 
 /// The largest number below 1: in `f32`, 32 random bits may round up to 1.
@@ -34,32 +169,114 @@ fn mixed(bits: u64) -> u64 {
 mod tests {
     use super::*;
 
+    const COUNTS: [u32; 12] = [1, 2, 3, 5, 7, 8, 12, 13, 16, 17, 100, 101];
+
     #[test]
-    fn every_cell_of_the_grid_gets_one_sample() {
-        let mut seen = [[0; STRATA as usize]; STRATA as usize];
-        for sample in 0..JITTER_SAMPLES {
-            let (x, y) = jitter_offset(17, 3, sample, 5);
-            assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
-            seen[(y * 4.0) as usize][(x * 4.0) as usize] += 1;
+    fn sixteen_stratified_samples_are_the_courses_grid() {
+        let pattern = SamplePattern::new(SamplerKind::Stratified, 16);
+        let set = pattern.set((17, 3), 0, 5);
+        for sample in 0..16 {
+            let (x, y) = set.offset(sample);
+            assert_eq!(((x * 4.0) as u32, (y * 4.0) as u32), (sample % 4, sample / 4));
         }
-        assert_eq!(seen, [[1; 4]; 4]);
     }
 
     #[test]
-    fn samples_depend_on_pixel_number_and_seed_alone() {
-        assert_eq!(jitter_offset(1, 2, 3, 4), jitter_offset(1, 2, 3, 4));
-        assert_ne!(jitter_offset(1, 2, 3, 4), jitter_offset(2, 1, 3, 4));
-        assert_ne!(jitter_offset(1, 2, 3, 4), jitter_offset(1, 2, 3, 5));
+    fn cells_have_equal_area_and_cover_the_pixel() {
+        for count in COUNTS.into_iter().chain(1..300) {
+            let cells: Vec<Cell> = (0..count).map(|index| Cells::new(count).cell(index)).collect();
+            for (index, cell) in cells.iter().enumerate() {
+                let corners = [cell.place(0.0, 0.0), cell.place(1.0, 1.0)];
+                let area = (corners[1].0 - corners[0].0) * (corners[1].1 - corners[0].1);
+                assert!((area * count as Real - 1.0).abs() < 1e3 * Real::EPSILON, "{index} of {count}");
+                // Row by row without a gap: each cell begins where the one before it ended.
+                let expected_column = if cell.before == index as u32 { 0 } else { cells[index - 1].column + 1 };
+                assert_eq!(cell.column, expected_column);
+                assert_eq!(cell.before + cell.column, index as u32);
+            }
+            assert!(cells[0].columns.abs_diff(count.isqrt()) <= 1, "{count}");
+        }
     }
 
     #[test]
-    fn offsets_within_a_cell_are_uniform() {
-        // 4,000 samples in ten bins: the chi-square of 9 degrees of freedom is below 33.7 in all but 1 of 10,000 cases.
-        let mut bins = [0; 10];
-        for pixel in 0..4000 {
-            bins[(jitter_offset(pixel, pixel / 7, 0, 0).0 * 40.0) as usize] += 1;
+    fn offsets_lie_in_the_pixel_and_depend_on_pixel_number_set_and_seed_alone() {
+        for kind in SamplerKind::ALL {
+            for count in COUNTS {
+                let offsets = |pixel, set, seed| {
+                    let pattern = SamplePattern::new(kind, count);
+                    let set = pattern.set(pixel, set, seed);
+                    (0..count).map(|sample| set.offset(sample)).collect::<Vec<_>>()
+                };
+                let some = offsets((1, 2), 0, 4);
+                assert!(some.iter().all(|(x, y)| (0.0..1.0).contains(x) && (0.0..1.0).contains(y)));
+                assert_eq!(some, offsets((1, 2), 0, 4));
+                for other in [offsets((2, 1), 0, 4), offsets((1, 2), 1, 4), offsets((1, 2), 0, 5)] {
+                    assert_ne!(some, other, "{kind:?} {count}");
+                }
+            }
         }
-        let chi_square: f64 = bins.iter().map(|&n| (f64::from(n) - 400.0).powi(2) / 400.0).sum();
-        assert!(chi_square < 33.7, "{bins:?}");
+    }
+
+    #[test]
+    fn every_sample_by_itself_is_uniform() {
+        // 9 degrees of freedom: the chi-square is below 43 in all but 2 of a million cases, and about 250 are tested.
+        for kind in SamplerKind::ALL {
+            for (count, sample) in [(1, 0), (3, 2), (7, 3), (16, 0), (16, 15), (17, 4)] {
+                let pattern = SamplePattern::new(kind, count);
+                let mut bins = [[0; 10]; 2];
+                for pixel in 0..4000 {
+                    let set = pattern.set((pixel, pixel / 7), 1, 0);
+                    // All cells together are uniform, so any cell's samples are rotated through the cells.
+                    let sample = if kind == SamplerKind::Stratified { pixel % count } else { sample };
+                    let (x, y) = set.offset(sample);
+                    bins[0][(x * 10.0) as usize] += 1;
+                    bins[1][(y * 10.0) as usize] += 1;
+                }
+                for bins in bins {
+                    let chi_square: f64 = bins.iter().map(|&n| (f64::from(n) - 400.0).powi(2) / 400.0).sum();
+                    assert!(chi_square < 43.0, "{kind:?} {count} {sample}: {bins:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sixteen_sobol_samples_are_stratified_in_every_way() {
+        let pattern = SamplePattern::new(SamplerKind::Sobol, 16);
+        let set = pattern.set((8, 9), 0, 5);
+        for (columns, rows) in [(16, 1), (8, 2), (4, 4), (2, 8), (1, 16)] {
+            let mut seen = vec![0; 16];
+            for sample in 0..16 {
+                let (x, y) = set.offset(sample);
+                seen[(y * rows as Real) as usize * columns + (x * columns as Real) as usize] += 1;
+            }
+            assert_eq!(seen, [1; 16], "{columns} x {rows}");
+        }
+    }
+
+    #[test]
+    fn sets_and_samples_are_uncorrelated() {
+        // The correlation of n pairs has a standard deviation of 1 / sqrt(n).
+        let correlation = |pairs: &[(Real, Real)]| {
+            let products = pairs.iter().map(|(a, b)| (f64::from(*a as f32) - 0.5) * (f64::from(*b as f32) - 0.5));
+            12.0 * products.sum::<f64>() / pairs.len() as f64
+        };
+        for kind in SamplerKind::ALL {
+            let pattern = SamplePattern::new(kind, 1);
+            let pairs: Vec<(Real, Real)> = (0..20_000)
+                .map(|pixel| {
+                    let offset = |set| pattern.set((pixel, 5), set, 0).offset(0);
+                    (offset(0).0, offset(1).0)
+                })
+                .collect();
+            assert!(correlation(&pairs).abs() < 4.5 / (20_000.0 as f64).sqrt(), "{kind:?}");
+            let neighbours: Vec<(Real, Real)> = (0..20_000)
+                .map(|x| {
+                    let offset = |x| pattern.set((x, 5), 0, 0).offset(0);
+                    (offset(x).0, offset(x + 1).1)
+                })
+                .collect();
+            assert!(correlation(&neighbours).abs() < 4.5 / (20_000.0 as f64).sqrt(), "{kind:?}");
+        }
     }
 }

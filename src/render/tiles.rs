@@ -1,6 +1,7 @@
-//! All pixels of a picture, tile by tile, over all threads.
+//! All pixels of a picture, tile by tile, over all threads, with the same number of samples in each.
 
-use super::sampling::{JITTER_SAMPLES, jitter_offset};
+use super::estimate::ErrorSums;
+use super::rays::{RayMaker, SetSizes};
 use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
 use crate::camera::PixelGrid;
@@ -11,7 +12,8 @@ use crate::report::RayCounts;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Mutex;
-use vecmath::Real;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 /// Side of a tile in pixels: small enough to share out evenly, large enough for rays to resemble their neighbours.
 const TILE: u32 = 16;
@@ -22,35 +24,50 @@ pub trait Progress: Sync {
     fn advance(&self, done: usize, total: usize);
 }
 
+/// The pixels of a picture, and what they cost.
+#[derive(Debug)]
+pub struct Frame {
+    pub film: Film,
+    pub counts: RayCounts,
+    /// Of the colours, where the samples tell it.
+    pub errors: ErrorSums,
+    /// Time that all threads together spent turning samples into pixels, if it was measured.
+    pub filter: Option<Duration>,
+}
+
 /// Renders what `plan` asks for. Every pixel is a function of its place alone, so that threads change nothing.
-pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Progress) -> (Film, RayCounts) {
-    let film = Film::new(args.width, args.height, plan);
-    let columns = args.width.div_ceil(TILE);
-    let tiles = columns as usize * args.height.div_ceil(TILE) as usize;
+pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Progress) -> Frame {
+    let tiles = Tile::all(args.width, args.height);
     decode_faces_ahead(scene, plan, args);
-    let shared = Mutex::new((film, RayCounts::default(), 0));
-    (0..tiles).into_par_iter().for_each_init(
-        || Sampler::new(scene, plan, args),
-        |sampler, index| {
-            let (column, row) = (index as u32 % columns, index as u32 / columns);
-            let tile = Tile {
-                x: column * TILE,
-                row: row * TILE,
-                width: TILE.min(args.width - column * TILE),
-                height: TILE.min(args.height - row * TILE),
-            };
-            let pixels = sampler.tile(&tile);
-            // A poisoned lock means that another thread has panicked, and that panic is on its way up.
-            let Ok(mut guard) = shared.lock() else { return };
-            let (film, counts, done) = &mut *guard;
-            film.set_tile(tile.x, tile.row, tile.width, &pixels);
-            *counts += std::mem::take(&mut sampler.tracer.counts);
-            *done += 1;
-            progress.advance(*done, tiles);
-        },
-    );
+    let shared =
+        Mutex::new((Film::new(args.width, args.height, plan, args.extra_planes()), RayCounts::default(), 0));
+    let filter_nanoseconds = AtomicU64::new(0);
+    let errors: Vec<ErrorSums> = tiles
+        .par_iter()
+        .map_init(
+            || Sampler::new(scene, plan, args),
+            |sampler, tile| {
+                let pixels = sampler.tile(tile);
+                // A poisoned lock means that another thread has panicked, and that panic is on its way up.
+                let Ok(mut guard) = shared.lock() else { return ErrorSums::default() };
+                let (film, counts, done) = &mut *guard;
+                film.set_tile(tile.x, tile.row, tile.width, &pixels);
+                if !sampler.pixel_errors.is_empty() {
+                    film.set_errors(tile.x, tile.row, tile.width, &sampler.pixel_errors);
+                }
+                *counts += std::mem::take(&mut sampler.tracer.counts);
+                *done += 1;
+                progress.advance(*done, tiles.len());
+                let filter = std::mem::take(&mut sampler.filter);
+                filter_nanoseconds.fetch_add(filter.as_nanos() as u64, Ordering::Relaxed);
+                sampler.pixel_errors.clear();
+                std::mem::take(&mut sampler.errors)
+            },
+        )
+        .collect();
     let (film, counts, _) = shared.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    (film, counts)
+    let filter = args.measure.wants_times().then(|| Duration::from_nanos(filter_nanoseconds.into_inner()));
+    Frame { film, counts, errors: ErrorSums::total(&errors), filter }
 }
 
 /// Decodes the cube map faces that a few rays reach, before threads wait for one another at the first ray to reach each.
@@ -73,59 +90,69 @@ fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
 }
 
 /// A rectangle of pixels.
-struct Tile {
-    x: u32,
-    row: u32,
-    width: u32,
-    height: u32,
+#[derive(Clone, Copy, Debug)]
+pub struct Tile {
+    pub x: u32,
+    pub row: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Tile {
+    /// The tiles of a picture, row by row.
+    pub fn all(width: u32, height: u32) -> Vec<Self> {
+        let rows = (0..height).step_by(TILE as usize);
+        rows.flat_map(|row| (0..width).step_by(TILE as usize).map(move |x| (x, row)))
+            .map(|(x, row)| Self { x, row, width: TILE.min(width - x), height: TILE.min(height - row) })
+            .collect()
+    }
+
+    /// Columns and rows of its pixels, row by row.
+    pub fn places(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let columns = self.x..self.x + self.width;
+        (self.row..self.row + self.height).flat_map(move |row| columns.clone().map(move |x| (x, row)))
+    }
 }
 
 /// Turns pixels into rays and what they see into pixels.
 struct Sampler<'a> {
     tracer: Tracer<'a>,
-    scene: &'a Scene,
+    maker: RayMaker<'a>,
     args: &'a RenderArgs,
-    /// The grid that is traced: three times as fine with `-filter`.
-    grid: PixelGrid,
-    depth_range: (Real, Real),
+    sizes: SetSizes,
+    errors: ErrorSums,
+    /// Empty unless there is to be a picture of them.
+    pixel_errors: Vec<f64>,
+    filter: Duration,
     /// Rays on their way and what they saw, kept to spare allocations.
     rays: Vec<Ray>,
     seen: Vec<Seen>,
 }
 
 /// Rays that are traced together: few enough for the processor's nearest cache, many enough to share work.
-const RAYS_AT_ONCE: usize = 256;
+pub const RAYS_AT_ONCE: usize = 256;
 
 impl<'a> Sampler<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {
-        let finer = if args.filter { 3 } else { 1 };
-        let depth = args.depth.as_ref();
+        let sizes = SetSizes::new(args);
         Self {
             tracer: Tracer::new(scene, plan),
-            scene,
+            maker: RayMaker::new(scene, args, &sizes),
             args,
-            grid: PixelGrid { width: finer * args.width, height: finer * args.height },
-            depth_range: depth.map_or((0.0, 1.0), |depth| (depth.min as Real, depth.max as Real)),
+            sizes,
+            errors: ErrorSums::default(),
+            pixel_errors: Vec::new(),
+            filter: Duration::ZERO,
             rays: Vec::new(),
             seen: Vec::new(),
         }
     }
 
     fn tile(&mut self, tile: &Tile) -> Vec<Pixel> {
-        let columns = tile.x..tile.x + tile.width;
-        let rows = tile.row..tile.row + tile.height;
-        let places: Vec<_> = rows.flat_map(|row| columns.clone().map(move |x| (x, row))).collect();
-        let rays_a_pixel = self.grid_pixels_a_pixel() * self.samples_a_grid_pixel() as usize;
+        let places: Vec<_> = tile.places().collect();
+        let rays_a_pixel = (self.args.grid_pixels() * self.args.samples()) as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         places.chunks(pixels_at_once).flat_map(|places| self.pixels(places)).collect()
-    }
-
-    fn grid_pixels_a_pixel(&self) -> usize {
-        if self.args.filter { 9 } else { 1 }
-    }
-
-    fn samples_a_grid_pixel(&self) -> u32 {
-        if self.args.jitter { JITTER_SAMPLES } else { 1 }
     }
 
     /// Some pixels of the picture.
@@ -133,36 +160,66 @@ impl<'a> Sampler<'a> {
         self.rays.clear();
         for &(x, row) in places {
             if self.args.filter {
-                (0..9).for_each(|place| self.add_rays(3 * x + place % 3, 3 * row + place / 3));
+                (0..9).for_each(|place| {
+                    self.maker.add_rays((3 * x + place % 3, 3 * row + place / 3), &mut self.rays)
+                });
             } else {
-                self.add_rays(x, row);
+                self.maker.add_rays((x, row), &mut self.rays);
             }
         }
         self.tracer.see(&self.rays, &mut self.seen);
+        let start = self.args.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / places.len();
-        self.seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)).collect()
-    }
-
-    /// Adds the rays of a pixel of the traced grid.
-    fn add_rays(&mut self, x: u32, row: u32) {
-        for sample in 0..self.samples_a_grid_pixel() {
-            let (offset_x, offset_y) =
-                if self.args.jitter { jitter_offset(x, row, sample, self.args.seed) } else { (0.0, 0.0) };
-            let (ndc_x, ndc_y) = self.grid.ndc(x, row, offset_x, offset_y);
-            self.rays.push(self.scene.camera.ray(ndc_x, ndc_y));
-        }
+        let seen = std::mem::take(&mut self.seen);
+        let pixels = seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)).collect();
+        self.seen = seen;
+        self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
+        pixels
     }
 
     /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
     /// of the traced grid, with `-filter` the filtered block of those.
-    fn resolved(&self, seen: &[Seen]) -> Pixel {
-        let displayed = |seen: &Seen| Pixel::of(seen, self.depth_range);
+    fn resolved(&mut self, seen: &[Seen]) -> Pixel {
         if let ([seen], false) = (seen, self.args.jitter) {
-            return displayed(seen);
+            return self.maker.displayed(seen);
         }
-        let mut grid_pixels = seen.chunks(self.samples_a_grid_pixel() as usize).map(|samples| {
-            let samples = samples.iter().map(|seen| displayed(seen).sanitized());
-            average(samples, self.samples_a_grid_pixel())
+        match self.sizes {
+            SetSizes::One(samples) => self.mean_of(seen, 0..samples as usize),
+            SetSizes::Halves(first, second) => {
+                let (first, second) = (first as usize, second as usize);
+                let halves = [self.mean_of(seen, 0..first), self.mean_of(seen, first..first + second)];
+                let levels = self.errors.add_halves(halves.map(|half| half.color));
+                self.note_error(levels);
+                average(halves.into_iter(), 2)
+            }
+            SetSizes::Singles(samples) => {
+                let mean = self.mean_of(seen, 0..samples as usize);
+                let mut deviations = [0.0; 3];
+                for sample in 0..samples as usize {
+                    let difference = self.mean_of(seen, sample..sample + 1).color - mean.color;
+                    for (sum, difference) in deviations.iter_mut().zip(difference.to_array()) {
+                        *sum += (difference as f64).powi(2);
+                    }
+                }
+                let levels = self.errors.add(mean.color, deviations, samples);
+                self.note_error(levels);
+                mean
+            }
+        }
+    }
+
+    fn note_error(&mut self, levels: f64) {
+        if self.args.measure.error_map.is_some() {
+            self.pixel_errors.push(levels);
+        }
+    }
+
+    /// The mean of some of the samples of each pixel of the traced grid, filtered.
+    fn mean_of(&self, seen: &[Seen], samples: std::ops::Range<usize>) -> Pixel {
+        let count = samples.len() as u32;
+        let mut grid_pixels = seen.chunks(self.args.samples() as usize).map(|all| {
+            let samples = all[samples.clone()].iter().map(|seen| self.maker.displayed(seen).sanitized());
+            average(samples, count)
         });
         if self.args.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
     }

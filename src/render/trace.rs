@@ -111,7 +111,7 @@ impl<'a> Tracer<'a> {
                 };
                 let object = &self.scene.objects[hit.object as usize];
                 let reflected = mirrored(ray.direction, self.normal(ray, hit));
-                let origin = ray.at(hit.at.t) + reflected * RAY_OFFSET;
+                let origin = ray.at(hit.at.t) + reflected * self.epsilon;
                 let is_mirror = self.scene.materials[object.material as usize].is_mirror();
                 is_mirror.then_some(Ray { origin, direction: reflected })
             });

@@ -12,6 +12,7 @@ use crate::error::{Error, SourceText, Span};
 use crate::light::Light;
 use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
 use crate::plan::{Plan, to_material};
+use crate::report::{Stopwatch, Times};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,6 +23,8 @@ use vecmath::{Matrix4, Real, Vector3};
 pub struct Compiled {
     pub scene: Scene,
     pub warnings: Vec<String>,
+    /// The time it took to build trees.
+    pub build: Times,
 }
 
 /// Loads and flattens what `plan` needs of a scene.
@@ -51,17 +54,21 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
     let Flattened { objects, mut meshes, hints, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
     meshes.iter_mut().for_each(|mesh| mesh.set_level(plan.simd));
+    let mut build = meshes.iter().fold(Times::default(), |sum, mesh| sum + mesh.build_times());
+    let watch = Stopwatch::start();
+    let accelerator = Accelerator::with_level(&objects, plan.simd);
+    build += watch.times();
     let scene = Scene {
         camera,
         lights,
         ambient_light,
         background: Background { color: description.background.color, cube_map },
         materials: description.materials.iter().map(to_material).collect(),
-        accelerator: Accelerator::with_level(&objects, plan.simd),
+        accelerator,
         objects,
         meshes,
     };
-    Ok(Compiled { scene, warnings })
+    Ok(Compiled { scene, warnings, build })
 }
 
 fn camera(description: &Description) -> Result<Camera, Error> {

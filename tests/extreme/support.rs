@@ -121,7 +121,7 @@ impl Studio {
         let source = a2::error::SourceText { path, text: text.to_owned() };
         let description = parser::parse(source).map_err(|error| error.to_string())?;
         let plan = Plan::new(&request, &description);
-        let Compiled { scene, warnings } = compile(&description, &plan).map_err(|error| error.to_string())?;
+        let Compiled { scene, warnings, .. } = compile(&description, &plan).map_err(|error| error.to_string())?;
         Ok(Self { scene, plan, warnings, request })
     }
 
@@ -172,7 +172,7 @@ impl Studio {
         impl a2::render::Progress for Silent {
             fn advance(&self, _: usize, _: usize) {}
         }
-        a2::render::render(&self.scene, &self.plan, &self.request, &Silent).0
+        a2::render::render(&self.scene, &self.plan, &self.request, &Silent).film
     }
 }
 

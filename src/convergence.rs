@@ -1,0 +1,82 @@
+//! `-convergence`: error against cost, from one run.
+//!
+//! Pictures of 1, 2, 4 ... N samples a pixel are rendered one after the other. Each is exactly what `-samples` with
+//! that number gives, and each line of the table has that picture's own cost. (Going on from one to the next would
+//! cost half as much, but a stratified set of samples cannot be extended.)
+
+use crate::args::RenderArgs;
+use crate::plan::Plan;
+use crate::reference::{Reference, TrueError};
+use crate::render::estimate::ErrorEstimate;
+use crate::render::{Frame, Progress, render};
+use crate::report::{Stopwatch, Times};
+use crate::scene::Scene;
+use std::fmt::Write as _;
+
+/// A line of the table.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// A pixel of the traced grid.
+    pub samples: u32,
+    pub times: Times,
+    /// All kinds.
+    pub rays: u64,
+    pub estimate: Option<ErrorEstimate>,
+    pub true_error: Option<TrueError>,
+}
+
+/// Renders the doubling pictures; the last one is returned.
+pub fn render_doubling(
+    scene: &Scene,
+    plan: &Plan,
+    args: &RenderArgs,
+    reference: Option<&Reference>,
+    progress: &dyn Progress,
+) -> (Frame, Vec<Point>) {
+    let mut points = Vec::new();
+    let mut wave = args.clone();
+    let mut samples = 1;
+    loop {
+        wave.measure.samples = Some(samples);
+        let watch = Stopwatch::start();
+        let frame = render(scene, plan, &wave, progress);
+        points.push(Point {
+            samples,
+            times: watch.times(),
+            rays: frame.counts.total(),
+            estimate: frame.errors.estimate(),
+            true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
+        });
+        if samples == args.samples() {
+            return (frame, points);
+        }
+        samples = (2 * samples).min(args.samples());
+    }
+}
+
+/// The points as CSV; what is not known is empty.
+pub fn csv(args: &RenderArgs, points: &[Point]) -> String {
+    let mut text = "sampler,samples,seconds,cpu_seconds,rays,estimated_rmse_levels,estimated_low_95,\
+                    estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_flip\n"
+        .to_owned();
+    let known = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for point in points {
+        let (levels, linear) = (point.estimate.map(|e| e.levels), point.estimate.map(|e| e.linear));
+        let fields = [
+            args.measure.sampler.name().to_owned(),
+            point.samples.to_string(),
+            point.times.wall.as_secs_f64().to_string(),
+            point.times.cpu.as_secs_f64().to_string(),
+            point.rays.to_string(),
+            known(levels.map(|levels| levels.rmse)),
+            known(levels.map(|levels| levels.low)),
+            known(levels.map(|levels| levels.high)),
+            known(linear.map(|linear| linear.rmse)),
+            known(point.true_error.as_ref().map(|error| error.rmse_levels)),
+            known(point.true_error.as_ref().map(|error| error.rmse_linear)),
+            known(point.true_error.as_ref().map(|error| error.flip)),
+        ];
+        let _ = writeln!(text, "{}", fields.join(","));
+    }
+    text
+}

@@ -1,0 +1,123 @@
+//! Pictures of numbers instead of bytes, so that errors can be measured before clamping and truncation: PFM, written
+//! here, and OpenEXR, by the crate `image`.
+//!
+//! PFM (Debevec's portable float map): `PF`, width and height, `-1.0` for little-endian, then three `f32` a pixel, rows
+//! from the bottom.
+
+use super::write_whole;
+use crate::error::Error;
+use image::{DynamicImage, ImageFormat, Rgb32FImage};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Three numbers a pixel, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumberPicture {
+    pub width: u32,
+    pub height: u32,
+    pub numbers: Vec<f32>,
+}
+
+fn is_pfm(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pfm"))
+}
+
+/// Writes a picture in the format that its name asks for: `.pfm`, otherwise EXR. `numbers` are three a pixel.
+///
+/// # Errors
+/// As [`write_png`](super::write_png).
+pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> Result<(), Error> {
+    write_whole(path, "the picture", |file| {
+        let mut writer = BufWriter::with_capacity(1 << 16, file);
+        if is_pfm(path) {
+            write!(writer, "PF\n{width} {height}\n-1.0\n")?;
+            for row in numbers.chunks_exact(3 * width as usize).rev() {
+                for number in row {
+                    writer.write_all(&number.to_le_bytes())?;
+                }
+            }
+        } else {
+            let picture = Rgb32FImage::from_raw(width, height, numbers.to_vec()).unwrap_or_default();
+            DynamicImage::from(picture)
+                .write_to(&mut writer, ImageFormat::OpenExr)
+                .map_err(std::io::Error::other)?;
+        }
+        writer.flush()
+    })
+}
+
+/// Reads a PFM or EXR file.
+///
+/// # Errors
+/// [`Error::File`] when it cannot be read or holds no colours.
+pub fn read_numbers(path: &Path) -> Result<NumberPicture, Error> {
+    let bytes = std::fs::read(path).map_err(|error| Error::io(path, "read the picture", &error))?;
+    if is_pfm(path) {
+        return parse_pfm(&bytes).map_err(|message| Error::file(path, message));
+    }
+    let picture = image::load_from_memory_with_format(&bytes, ImageFormat::OpenExr);
+    let picture = picture.map_err(|error| Error::file(path, format!("cannot read this picture: {error}")))?;
+    let picture = picture.into_rgb32f();
+    Ok(NumberPicture { width: picture.width(), height: picture.height(), numbers: picture.into_raw() })
+}
+
+fn parse_pfm(bytes: &[u8]) -> Result<NumberPicture, &'static str> {
+    // Three lines of text, each ended by one white space character; the numbers may look like text, too.
+    let mut words = bytes.splitn(5, |byte| byte.is_ascii_whitespace());
+    let mut text = || words.next().and_then(|word| std::str::from_utf8(word).ok());
+    if text() != Some("PF") {
+        return Err("this is no PFM picture of three channels: it does not begin with PF");
+    }
+    let (width, height) = (text().and_then(|w| w.parse::<u32>().ok()), text().and_then(|h| h.parse::<u32>().ok()));
+    let scale = text().and_then(|scale| scale.parse::<f32>().ok());
+    let (Some(width @ 1..), Some(height @ 1..), Some(scale)) = (width, height, scale) else {
+        return Err("this PFM picture has no width, height and scale");
+    };
+    let data = words.next().unwrap_or_default();
+    let row_bytes = 12 * width as usize;
+    if row_bytes.checked_mul(height as usize) != Some(data.len()) {
+        return Err("this PFM picture is shorter or longer than its width and height say");
+    }
+    let number = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
+    let numbers =
+        data.chunks_exact(row_bytes).rev().flat_map(|row| row.as_chunks().0).map(|&n| number(n)).collect();
+    Ok(NumberPicture { width, height, numbers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_come_back_as_they_were() {
+        let numbers: Vec<f32> = (0..18).map(|n| n as f32 * 1.7 - 3.0).collect();
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.pfm", "a.exr"] {
+            let path = folder.path().join(name);
+            write_numbers(&path, 2, 3, &numbers).unwrap();
+            let read = read_numbers(&path).unwrap();
+            assert_eq!((read.width, read.height), (2, 3));
+            assert_eq!(read.numbers, numbers, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_first_row_of_a_pfm_is_the_bottom() {
+        let mut bytes = b"PF\n1 2\n1.0\n".to_vec();
+        (0..6).for_each(|n| bytes.extend((n as f32).to_be_bytes()));
+        assert_eq!(parse_pfm(&bytes).unwrap().numbers, [3.0, 4.0, 5.0, 0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn broken_pfm_files_are_refused() {
+        for bytes in [
+            b"" as &[u8],
+            b"Pf\n1 1\n-1.0\n",
+            b"PF\n1 1\n-1.0\n123",
+            b"PF\n0 0\n-1.0\n",
+            b"PF\n4294967295 4294967295\n-1.0\nx",
+        ] {
+            assert!(parse_pfm(bytes).is_err());
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! From pixels to rays: which samples, where, and how what they see is displayed.
+
+use super::sampling::{SamplePattern, SampleSet, SamplerKind};
+use super::trace::Seen;
+use crate::args::RenderArgs;
+use crate::camera::PixelGrid;
+use crate::film::Pixel;
+use crate::objects::Ray;
+use crate::scene::Scene;
+use vecmath::Real;
+
+/// How the samples of a pixel of the traced grid are divided into sets that are independent of each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetSizes {
+    /// All together, which tells nothing about their error.
+    One(u32),
+    Halves(u32, u32),
+    /// Every sample by itself, placed as in one set.
+    Singles(u32),
+}
+
+impl SetSizes {
+    pub fn new(args: &RenderArgs) -> Self {
+        let samples = args.samples();
+        match args.measure.sampler {
+            _ if samples < 2 || !args.measure.wants_estimate() => Self::One(samples),
+            SamplerKind::Independent => Self::Singles(samples),
+            SamplerKind::Stratified | SamplerKind::Sobol => Self::Halves(samples.div_ceil(2), samples / 2),
+        }
+    }
+}
+
+/// Makes the rays of pixels.
+pub struct RayMaker<'a> {
+    scene: &'a Scene,
+    /// The grid that is traced: three times as fine with `-filter`.
+    grid: PixelGrid,
+    depth_range: (Real, Real),
+    /// `None`: one sample in the corner of the pixel.
+    patterns: Option<Vec<(u32, SamplePattern)>>,
+    seed: u64,
+}
+
+impl<'a> RayMaker<'a> {
+    pub fn new(scene: &'a Scene, args: &'a RenderArgs, sizes: &SetSizes) -> Self {
+        let finer = if args.filter { 3 } else { 1 };
+        let depth = args.depth.as_ref();
+        let sizes = match *sizes {
+            SetSizes::One(samples) | SetSizes::Singles(samples) => vec![samples],
+            SetSizes::Halves(first, second) => vec![first, second],
+        };
+        let patterns = sizes.into_iter().map(|size| (size, SamplePattern::new(args.measure.sampler, size)));
+        Self {
+            scene,
+            grid: PixelGrid { width: finer * args.width, height: finer * args.height },
+            depth_range: depth.map_or((0.0, 1.0), |depth| (depth.min as Real, depth.max as Real)),
+            patterns: args.jitter.then(|| patterns.collect()),
+            seed: args.seed,
+        }
+    }
+
+    /// Adds the rays of a pixel of the traced grid, set by set.
+    pub fn add_rays(&self, (x, row): (u32, u32), rays: &mut Vec<Ray>) {
+        let Some(patterns) = &self.patterns else {
+            return rays.push(self.ray(x, row, (0.0, 0.0)));
+        };
+        for (index, (size, pattern)) in patterns.iter().enumerate() {
+            let set = pattern.set((x, row), index as u32, self.seed);
+            rays.extend((0..*size).map(|sample| self.ray(x, row, set.offset(sample))));
+        }
+    }
+
+    /// The ray through a place in a pixel of the traced grid.
+    fn ray(&self, x: u32, row: u32, offset: (Real, Real)) -> Ray {
+        let (ndc_x, ndc_y) = self.grid.ndc(x, row, offset.0, offset.1);
+        self.scene.camera.ray(ndc_x, ndc_y)
+    }
+
+    /// The ray of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
+    /// falls into the block's pixels as often as the filter weighs them, so that the mean over all samples is the
+    /// same as with a mean for each of them, and any number of samples will do.
+    pub fn ray_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32, is_filtered: bool) -> Ray {
+        let offset = set.offset(sample);
+        if !is_filtered {
+            return self.ray(x, row, offset);
+        }
+        let ((column, offset_x), (line, offset_y)) = (weighted_third(offset.0), weighted_third(offset.1));
+        self.ray(3 * x + column, 3 * row + line, (offset_x, offset_y))
+    }
+
+    /// What a ray saw as the pictures show it.
+    pub fn displayed(&self, seen: &Seen) -> Pixel {
+        Pixel::of(seen, self.depth_range)
+    }
+}
+
+/// One of the three weights (1 2 1)/4, and the place in it, of a place in the whole.
+fn weighted_third(place: Real) -> (u32, Real) {
+    if place < 0.25 {
+        (0, 4.0 * place)
+    } else if place < 0.75 {
+        (1, 2.0 * place - 0.5)
+    } else {
+        (2, 4.0 * place - 3.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thirds_are_met_as_often_as_they_weigh() {
+        let mut counts = [0; 3];
+        for step in 0..400 {
+            let (third, place) = weighted_third((step as Real + 0.5) / 400.0);
+            assert!((0.0..1.0).contains(&place));
+            counts[third as usize] += 1;
+        }
+        assert_eq!(counts, [100, 200, 100]);
+    }
+}
