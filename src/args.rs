@@ -4,18 +4,20 @@
 //! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
 
 mod measuring;
+mod typed;
 
 pub use measuring::{DEFAULT_SAMPLES, MAX_SAMPLES, MeasureArgs};
 
 use crate::accel::simd::Level;
-use crate::error::{Error, probably_meant};
+use crate::error::Error;
 use crate::film::ExtraPlanes;
 use crate::render::robust::Epsilon;
-use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::path::PathBuf;
+use typed::{
+    FLAGS, Typed, command, explained, has_extension, must_be_a_picture, must_be_png, usage, usage_error,
+    with_two_dashes,
+};
 
 /// What the program is asked to do.
 #[derive(Debug)]
@@ -108,60 +110,6 @@ const MAX_PIXELS: u64 = 1 << 28;
 const MAX_BOUNCES: u32 = 100_000;
 const MAX_THREADS: usize = 1024;
 
-/// Every way in which `-robust` departs from the starter.
-const ROBUST_HELP: &str = "
-With -robust, and without losing a digit of what the default gets right:
-  - shadow and mirror rays start as far off a surface as its rounding asks for (-epsilon auto), not 0.01 along them
-  - a plane's normal is shaded and shown as a unit vector, whatever its length in the scene
-  - what is behind a light casts no shadow: the way to it is measured from where the shadow ray starts
-  - a surface stands in the way of a light behind it: shadow rays start on the side that is seen
-  - a mirror's smoothed normal sends no ray into the mirror: the normal of the face then takes its place
-";
-
-/// Name, value names, help.
-type Flag = (&'static str, &'static [&'static str], &'static str);
-
-const FLAGS: &[Flag] = &[
-    ("input", &["FILE"], "Scene file, name ends in .txt"),
-    ("output", &["FILE"], "Colour picture: .png, or .pfm or .exr for numbers that are not rounded"),
-    ("size", &["W", "H"], "Picture size in pixels [default: 100 100]"),
-    ("depth", &["MIN", "MAX", "FILE"], "Depth picture (PNG): black at distance MIN, white at MAX"),
-    ("normals", &["FILE"], "Picture of the surface normals (PNG): (n + 1)/2 per component"),
-    ("bounces", &["N"], "Depth of mirror recursion [default: 0]"),
-    ("shadows", &[], "Trace shadow rays"),
-    ("jitter", &[], "16 jittered samples per pixel"),
-    ("samples", &["N"], "With random samples: so many per pixel [default: 16]; implies -jitter"),
-    ("sampler", &["NAME"], "independent, stratified or sobol [default: stratified]; implies -jitter"),
-    ("filter", &[], "Render at 3 times the size, then filter down with a Gaussian"),
-    (
-        "epsilon",
-        &["E"],
-        "Shadow and mirror rays start E along them [default: 0.01], or auto: just off the surface",
-    ),
-    ("robust", &[], "Right at every scale, not the starter's shortcuts (listed below)"),
-    ("threads", &["N"], "Worker threads [default: one per processor]"),
-    ("seed", &["S"], "Seed of the random samples [default: 0]"),
-    ("simd", &["LEVEL"], "scalar or avx2, same pictures [default: the best this processor has]"),
-    ("stats", &[], "Table of times, rays, memory and estimated error on standard error"),
-    ("report", &["FILE"], "The same as JSON; with either, samples are taken in two independent halves"),
-    ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),
-    ("error-map", &["FILE"], "Picture of the estimated error (PNG), white at 16 levels; implies -jitter"),
-    ("convergence", &["FILE"], "Table (CSV) of error against samples 1, 2, 4 ... N; implies -jitter"),
-    ("target-error", &["LEVELS"], "Sample where needed until the estimated RMSE is below; implies -jitter"),
-    ("time-limit", &["SECONDS"], "Stop in time with the best picture so far; implies -jitter"),
-    ("explain", &[], "Say on standard error what this scene needs and what is left out"),
-    ("quiet", &[], "No progress bar and no warnings"),
-    ("compare", &["A", "B"], "Compare two pictures instead: exit code 0 if alike, 1 if not"),
-    ("diff", &["FILE"], "With -compare: write the differences as a picture (PNG)"),
-    (
-        "tolerance",
-        &["LEVELS", "PERCENT"],
-        "With -compare: alike means at most LEVELS apart on all but PERCENT of the pixels [default: 1 0.01]",
-    ),
-    ("help", &[], "Print this help"),
-    ("version", &[], "Print the version"),
-];
-
 /// Understands a command line, program name not included.
 ///
 /// # Errors
@@ -188,144 +136,6 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error>
         }
     }
     render_args(&typed).map(|args| Request::Render(Box::new(args)))
-}
-
-/// `-input` as clap knows it: `--input`. Values (numbers, single letters, a lone dash) stay as they are.
-fn with_two_dashes(typed: OsString) -> OsString {
-    let Some(text) = typed.to_str() else {
-        return typed;
-    };
-    match text.strip_prefix('-') {
-        Some(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) => format!("--{name}").into(),
-        _ => typed,
-    }
-}
-
-fn command() -> clap::Command {
-    let flag = |&(name, values, _): &Flag| {
-        let arg = Arg::new(name).long(name);
-        if values.is_empty() {
-            // A repeated switch is no error: counting swallows it.
-            arg.action(ArgAction::Count)
-        } else {
-            arg.action(ArgAction::Set)
-                .num_args(values.len())
-                .value_names(values)
-                .value_parser(clap::value_parser!(OsString))
-                .allow_negative_numbers(true)
-                .overrides_with(name)
-        }
-    };
-    clap::Command::new("a2")
-        .no_binary_name(true)
-        .disable_help_flag(true)
-        .disable_version_flag(true)
-        .args(FLAGS.iter().map(flag))
-}
-
-/// The text of `-help`.
-fn usage() -> String {
-    let mut text = "Usage: a2 -input SCENE.txt -output PICTURE.png [flags]\n\n\
-                    Renders a scene into PNG pictures of colour, depth and normals.\n\nFlags (one dash or two):\n"
-        .to_owned();
-    for (name, values, help) in FLAGS {
-        let typed = format!("-{name} {}", values.join(" "));
-        text += &format!("  {typed:<28} {help}\n");
-    }
-    text += ROBUST_HELP;
-    text += "\nExample: a2 -input data/scene06_bunny_1k.txt -output out.png -size 300 300 -bounces 4\n";
-    text
-}
-
-/// clap's refusal in this program's words.
-fn explained(error: &clap::Error) -> String {
-    let context = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.clone()),
-        Some(ContextValue::Strings(texts)) => texts.first().cloned(),
-        _ => None,
-    };
-    let word = context(ContextKind::InvalidArg).unwrap_or_default();
-    let name = word.trim_start_matches('-').split([' ', '=']).next().unwrap_or_default();
-    let known = FLAGS.iter().find(|flag| flag.0 == name);
-    match (error.kind(), known) {
-        (ErrorKind::WrongNumberOfValues | ErrorKind::TooFewValues | ErrorKind::InvalidValue, Some(flag)) => {
-            format!("-{name} needs {} value(s): -{name} {}", flag.1.len(), flag.1.join(" "))
-        }
-        (ErrorKind::TooManyValues, Some(_)) => format!("-{name} takes no value"),
-        (ErrorKind::UnknownArgument, _) if word.starts_with('-') => {
-            let meant = probably_meant(name, FLAGS.iter().map(|flag| flag.0));
-            let hint = meant.map_or(String::new(), |flag| format!(" (did you mean -{flag}?)"));
-            format!("unknown flag -{name}{hint}")
-        }
-        (ErrorKind::UnknownArgument, _) => format!("'{word}' belongs to no flag"),
-        _ => error.to_string().trim_start_matches("error: ").trim_end().to_owned(),
-    }
-}
-
-fn usage_error(flag: &str, message: impl std::fmt::Display) -> Error {
-    Error::Usage(format!("-{flag}: {message}"))
-}
-
-/// The flags and values as typed.
-struct Typed<'a>(&'a ArgMatches);
-
-impl Typed<'_> {
-    fn has(&self, flag: &str) -> bool {
-        self.0.value_source(flag) == Some(clap::parser::ValueSource::CommandLine)
-    }
-
-    fn values(&self, flag: &str) -> Vec<&OsString> {
-        self.0.get_many(flag).map(Iterator::collect).unwrap_or_default()
-    }
-
-    fn path(&self, flag: &str) -> Option<PathBuf> {
-        self.values(flag).first().map(PathBuf::from)
-    }
-
-    /// A picture to be written, which must be a PNG by its name.
-    fn png_path(&self, flag: &str) -> Result<Option<PathBuf>, Error> {
-        self.path(flag).map(|path| must_be_png(flag, path)).transpose()
-    }
-
-    /// The `index`th value of a flag as a `T` that `accepts` likes.
-    fn number<T: FromStr>(
-        &self,
-        flag: &str,
-        index: usize,
-        expected: &str,
-        accepts: impl Fn(&T) -> bool,
-    ) -> Result<Option<T>, Error> {
-        let Some(value) = self.values(flag).get(index).copied() else {
-            return Ok(None);
-        };
-        match value.to_str().and_then(|text| text.parse().ok()).filter(accepts) {
-            Some(number) => Ok(Some(number)),
-            None => {
-                let message = format!("expected {expected}, found '{}'", value.to_string_lossy());
-                Err(usage_error(flag, message))
-            }
-        }
-    }
-}
-
-fn must_be_png(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
-    if has_extension(&path, "png") {
-        return Ok(path);
-    }
-    let message = format!("expected a file name that ends in .png, found '{}'", path.display());
-    Err(usage_error(flag, message))
-}
-
-/// The colour picture may also hold numbers instead of bytes.
-fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
-    if ["pfm", "exr"].iter().any(|extension| has_extension(&path, extension)) {
-        return Ok(path);
-    }
-    must_be_png("output", path)
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
 fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
@@ -375,7 +185,7 @@ fn render_args(typed: &Typed) -> Result<RenderArgs, Error> {
     }
     let files: Vec<_> = pictures.into_iter().chain(args.measure.outputs().into_iter().flatten()).collect();
     if (1..files.len()).any(|i| files[..i].contains(&files[i])) {
-        return Err(Error::Usage("two pictures have the same file name".into()));
+        return Err(Error::Usage("two files have the same name".into()));
     }
     Ok(args)
 }
@@ -503,13 +313,25 @@ mod tests {
             ("-input s.txt -output o.png -bouncse 2", &["-bouncse", "did you mean -bounces"]),
             ("-input s.txt -output o.png stray", &["'stray'"]),
             ("-input s.txt -depth nan 1 d.png", &["-depth", "'nan'"]),
-            ("-input s.txt -output o.png -depth 0 1 o.png", &["same file name"]),
+            ("-input s.txt -output o.png -depth 0 1 o.png", &["same name"]),
             ("-input s.txt -output o.png -threads 0", &["-threads", "'0'"]),
             ("-input s.txt -output o.png -epsilon -1", &["-epsilon", "'-1'", "auto"]),
             ("-input s.txt -output o.png -epsilon nan", &["-epsilon", "'nan'"]),
             ("-input s.txt -output o.png -simd mmx", &["-simd", "scalar or avx2", "'mmx'"]),
             ("-input s.txt -output o.png -seed -3", &["-seed", "'-3'"]),
             ("-input s.txt -output o.png -diff d.png", &["-diff", "-compare"]),
+            ("-input s.txt -output o.png -samples 0", &["-samples", "'0'", "from 1 to 65536"]),
+            (
+                "-input s.txt -output o.png -sampler halton",
+                &["-sampler", "independent, stratified, sobol", "'halton'"],
+            ),
+            ("-input s.txt -output o.png -target-error 0", &["-target-error", "above 0", "'0'"]),
+            ("-input s.txt -output o.png -time-limit nan", &["-time-limit", "above 0", "'nan'"]),
+            ("-input s.txt -output o.png -report r.txt", &["-report", ".json", "r.txt"]),
+            ("-input s.txt -output o.png -reference r.jpg", &["-reference", ".png, .pfm, .exr", "r.jpg"]),
+            ("-input s.txt -normals o.png -target-error 1", &["-target-error", "-output"]),
+            ("-input s.txt -output o.png -error-map o.png", &["same name"]),
+            ("-input s.txt -output o.png -convergence c.csv -time-limit 1", &["-convergence", "-time-limit"]),
             ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),
             ("-compare a.png", &["-compare", "A B"]),
             ("-compare a.png b.png -tolerance 300 1", &["-tolerance", "'300'"]),
@@ -519,6 +341,19 @@ mod tests {
                 assert!(message.contains(part), "{line}: '{part}' is not in: {message}");
             }
         }
+    }
+
+    #[test]
+    fn flags_about_random_samples_imply_jitter() {
+        for flags in ["-samples 4", "-sampler sobol", "-target-error 1", "-time-limit 2", "-error-map e.png"] {
+            assert!(render(&format!("-input s.txt -output o.png {flags}")).jitter, "{flags}");
+        }
+        for flags in ["-stats", "-report r.json", "-reference r.pfm", "-seed 3"] {
+            assert!(!render(&format!("-input s.txt -output o.png {flags}")).jitter, "{flags}");
+        }
+        let sampler = |flags: &str| render(&format!("-input s.txt -output o.png {flags}")).measure.sampler;
+        assert_eq!(sampler("-jitter"), crate::render::SamplerKind::Stratified);
+        assert_eq!(sampler("-target-error 1"), crate::render::SamplerKind::Sobol);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The flags that choose samples, and those that ask how wrong the picture is and what it cost.
 
-use super::{Typed, has_extension, must_be_png, usage_error};
+use super::typed::{Typed, has_extension, must_be_png, usage_error};
 use crate::error::Error;
 use crate::render::SamplerKind;
 use std::path::PathBuf;
