@@ -57,7 +57,7 @@ pub fn render_doubling(
 /// The points as CSV; what is not known is empty.
 pub fn csv(args: &RenderArgs, points: &[Point]) -> String {
     let mut text = "sampler,samples,seconds,cpu_seconds,rays,estimated_rmse_levels,estimated_low_95,\
-                    estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_flip\n"
+                    estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_ssim\n"
         .to_owned();
     let known = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     for point in points {
@@ -74,7 +74,7 @@ pub fn csv(args: &RenderArgs, points: &[Point]) -> String {
             known(linear.map(|linear| linear.rmse)),
             known(point.true_error.as_ref().map(|error| error.rmse_levels)),
             known(point.true_error.as_ref().map(|error| error.rmse_linear)),
-            known(point.true_error.as_ref().map(|error| error.flip)),
+            known(point.true_error.as_ref().map(|error| error.ssim)),
         ];
         let _ = writeln!(text, "{}", fields.join(","));
     }

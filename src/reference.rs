@@ -7,7 +7,8 @@
 use crate::compare::read_rgb;
 use crate::error::Error;
 use crate::film::{Film, NumberPicture, read_numbers, to_byte};
-use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
+use image::RgbImage;
+use image_compare::{Algorithm, rgb_similarity_structure};
 use std::fmt;
 use std::path::Path;
 use vecmath::Real;
@@ -35,9 +36,10 @@ pub struct TrueError {
     pub worst_pixel: (u32, u32),
     /// Share of pixels with a channel more than one level off.
     pub share_over_one_level: f64,
-    /// Mean of NVIDIA's FLIP (Andersson et al., FLIP: A Difference Evaluator for Alternating Images, HPG 2020) over
-    /// the bytes of both pictures, seen from 67 pixels a degree: 0 equal, 1 as different as can be.
-    pub flip: f64,
+    /// Structural similarity (Wang et al., Image Quality Assessment: From Error Visibility to Structural Similarity,
+    /// IEEE TIP 13(4), 2004) of the bytes of both pictures, in windows of 8 x 8, of the worst channel, by the crate
+    /// `image-compare`: 1 for equal pictures.
+    pub ssim: f64,
 }
 
 impl Reference {
@@ -70,7 +72,7 @@ impl Reference {
         } else {
             linear
         };
-        Some(TrueError { flip: self.flip(bytes), ..self.differences(numbers) })
+        Some(TrueError { ssim: self.ssim(bytes), ..self.differences(numbers) })
     }
 
     fn differences(&self, numbers: &[f32]) -> TrueError {
@@ -101,21 +103,22 @@ impl Reference {
             worst_levels: worst,
             worst_pixel: (worst_index % self.picture.width, worst_index / self.picture.width),
             share_over_one_level: over as f64 / pixels,
-            flip: 0.0,
+            ssim: 0.0,
         }
     }
 
-    fn flip(&self, bytes: &[u8]) -> f64 {
+    fn ssim(&self, bytes: &[u8]) -> f64 {
         let (width, height) = (self.picture.width, self.picture.height);
         let reference: Vec<u8> = if self.is_bytes {
             self.picture.numbers.iter().map(|&number| (number * 255.0).round() as u8).collect()
         } else {
             self.picture.numbers.iter().map(|&number| to_byte(Real::from(number))).collect()
         };
-        let reference = FlipImageRgb8::with_data(width, height, &reference);
-        let picture = FlipImageRgb8::with_data(width, height, bytes);
-        let map = nv_flip::flip(reference, picture, DEFAULT_PIXELS_PER_DEGREE);
-        f64::from(FlipPool::from_image(&map).mean())
+        let picture = |bytes| RgbImage::from_raw(width, height, bytes).unwrap_or_default();
+        let pictures = [picture(reference), picture(bytes.to_vec())];
+        // It refuses nothing but pictures of different sizes.
+        let similarity = rgb_similarity_structure(&Algorithm::MSSIMSimple, &pictures[0], &pictures[1]);
+        similarity.map_or(f64::NAN, |similarity| similarity.score)
     }
 }
 
@@ -136,7 +139,7 @@ impl fmt::Display for TrueError {
         let (x, row) = self.worst_pixel;
         writeln!(f, "true error   RMSE {:.4} levels (linear {:.3e})", self.rmse_levels, self.rmse_linear)?;
         writeln!(f, "             relMSE {:.3e} (epsilon {RELATIVE_EPSILON})", self.relative_mse)?;
-        writeln!(f, "             PSNR {:.2} dB, FLIP {:.5}", self.psnr(), self.flip)?;
+        writeln!(f, "             PSNR {:.2} dB, SSIM {:.6}", self.psnr(), self.ssim)?;
         writeln!(f, "             worst {:.2} levels at column {x}, row {row}", self.worst_levels)?;
         writeln!(f, "             over 1 level: {:.4}% of the pixels", 100.0 * self.share_over_one_level)
     }
@@ -166,7 +169,7 @@ mod tests {
     fn equal_pictures_have_no_error() {
         let numbers = [0.1, 0.5, 1.5, 0.0, -1.0, 0.9];
         let error = reference(&numbers, false).error_of(&film(&numbers)).unwrap();
-        assert_eq!((error.rmse_levels, error.rmse_linear, error.relative_mse, error.flip), (0.0, 0.0, 0.0, 0.0));
+        assert_eq!((error.rmse_levels, error.rmse_linear, error.relative_mse, error.ssim), (0.0, 0.0, 0.0, 1.0));
         assert_eq!((error.psnr(), error.share_over_one_level), (f64::INFINITY, 0.0));
     }
 
@@ -180,7 +183,7 @@ mod tests {
         assert_eq!((error.worst_pixel, error.share_over_one_level), ((1, 0), 0.5));
         assert!((error.worst_levels - 51.0).abs() < 1e-4);
         assert!((error.relative_mse - (1.0 / 4.01 + 0.04 / 0.26) / 6.0).abs() < 1e-6);
-        assert!(error.flip > 0.0);
+        assert!(error.ssim < 1.0);
     }
 
     #[test]

@@ -13,11 +13,13 @@
 //! clamped nor rounded; in *levels* both colours are clamped to \[0, 1\] and multiplied by 255, but not truncated to
 //! whole numbers.
 //!
-//! The interval: the difference between the sum of v and the sum of squared errors is a sum of independent terms with
-//! mean 0, one a pixel, each with variance 2 V^2 R / (R - 1) for normally distributed means of true variance V
-//! (for R = 2 the term is -(a b) with a and b the errors of the halves: 4 V^2). As v^2 is V^2 (R + 1) / (R - 1) in the
-//! mean, each pixel adds v^2 2 R / (R + 1) to the variance of the difference. That errs on the side of a wide interval
-//! where samples are mostly equal and rarely far off.
+//! The interval: the sum of v and the sum of squared errors differ by a sum of independent terms, one a pixel: products
+//! of the errors of different sets, with mean 0 and variance 2 V^2 R / (R - 1), V being the true variance of the colour
+//! (for R = 2 the term is -(a b) with a and b the errors of the halves: 4 V^2). V^2 is not known, but v^2 is
+//! V^2 (1 + (k - 3) / R + 2 / (R - 1)) in the mean, where k is the kurtosis of a set's mean: 3 for a normal
+//! distribution, 1 at least. We take 2, as edges make it, and err on the side of a wide interval where errors are rare
+//! and large. With two halves the two sums can change places (exchange b and -b), so their ratio is as likely to be
+//! some factor too large as too small: the interval is symmetric on a logarithmic scale.
 
 use vecmath::Vector3;
 
@@ -50,7 +52,7 @@ pub struct ErrorSums {
 struct Sums {
     /// Of the mean of v over the channels.
     variances: f64,
-    /// Of that squared, times 2 R / (R + 1).
+    /// Of the variance of the difference from the true squared error.
     squares: f64,
 }
 
@@ -69,14 +71,22 @@ impl Sums {
     fn interval(&self, pixels: f64, unit: f64) -> Interval {
         /// 95% of a normal distribution lie within so many standard deviations.
         const TWO_SIDED: f64 = 1.959_964;
-        let half_width = TWO_SIDED * self.squares.sqrt();
-        let root = |sum: f64| unit * (sum.max(0.0) / pixels).sqrt();
-        Interval {
-            rmse: root(self.variances),
-            low: root(self.variances - half_width),
-            high: root(self.variances + half_width),
+        if self.variances <= 0.0 {
+            return Interval::default();
         }
+        let relative = self.squares / self.variances.powi(2);
+        // The logarithm of a ratio of two sums of n squares has the variance 4/n (1 + 1/n).
+        let half_width = TWO_SIDED * (relative * (1.0 + relative / 4.0)).sqrt();
+        let rmse = unit * (self.variances / pixels).sqrt();
+        let factor = (half_width / 2.0).exp();
+        Interval { rmse, low: rmse / factor, high: rmse * factor }
     }
+}
+
+/// The variance of the difference between v and the squared error, as a multiple of v^2.
+fn spread(sets: f64) -> f64 {
+    const KURTOSIS: f64 = 2.0;
+    2.0 * sets / (sets - 1.0) / (1.0 + (KURTOSIS - 3.0) / sets + 2.0 / (sets - 1.0))
 }
 
 impl ErrorSums {
@@ -87,7 +97,7 @@ impl ErrorSums {
         let linear = deviations.map(|sum| sum / (sets * (sets - 1.0)));
         let mean = mean.to_array().map(|c| c as f64);
         let levels = [0, 1, 2].map(|c| clamped_variance(mean[c], linear[c]));
-        let spread = 2.0 * sets / (sets + 1.0);
+        let spread = spread(sets);
         self.pixels += 1;
         self.linear.add(linear, spread);
         self.levels.add(levels, spread);
@@ -159,8 +169,8 @@ mod tests {
         assert!((estimate.linear.rmse - expected).abs() < 1e-6);
         assert!((estimate.levels.rmse - 255.0 * expected).abs() < 1e-4);
         assert!((levels - 255.0 * expected).abs() < 1e-4);
-        assert_eq!(estimate.levels.low, 0.0);
-        assert!(estimate.levels.high > estimate.levels.rmse);
+        let ratios = [estimate.levels.high / estimate.levels.rmse, estimate.levels.rmse / estimate.levels.low];
+        assert!(ratios[0] > 1.0 && (ratios[0] / ratios[1] - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::sampling::{SamplePattern, SamplerKind};
-use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile};
+use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, see_all};
 use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
 use crate::film::{Film, Pixel};
@@ -161,7 +161,7 @@ impl Progressive<'_> {
                 self.add_rays(place, wave, state.samples[index]..goal, &mut rays);
                 taken += 1;
             }
-            tracer.see(&rays, &mut seen);
+            see_all(&mut tracer, &rays, &mut seen);
             let mut rest = seen.as_slice();
             for &(index, _, goal) in &waiting[..taken] {
                 let added = (goal - state.samples[index]) as usize;

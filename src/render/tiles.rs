@@ -132,6 +132,19 @@ struct Sampler<'a> {
 /// Rays that are traced together: few enough for the processor's nearest cache, many enough to share work.
 pub const RAYS_AT_ONCE: usize = 256;
 
+/// [`Tracer::see`] for any number of rays, some at once.
+pub fn see_all(tracer: &mut Tracer, rays: &[Ray], seen: &mut Vec<Seen>) {
+    if rays.len() <= 2 * RAYS_AT_ONCE {
+        return tracer.see(rays, seen);
+    }
+    let mut some = Vec::new();
+    seen.clear();
+    for rays in rays.chunks(RAYS_AT_ONCE) {
+        tracer.see(rays, &mut some);
+        seen.append(&mut some);
+    }
+}
+
 impl<'a> Sampler<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {
         let sizes = SetSizes::new(args);
@@ -167,7 +180,7 @@ impl<'a> Sampler<'a> {
                 self.maker.add_rays((x, row), &mut self.rays);
             }
         }
-        self.tracer.see(&self.rays, &mut self.seen);
+        see_all(&mut self.tracer, &self.rays, &mut self.seen);
         let start = self.args.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / places.len();
         let seen = std::mem::take(&mut self.seen);

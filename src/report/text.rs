@@ -134,6 +134,6 @@ fn true_error_json(error: &TrueError) -> Value {
         "worst_levels": error.worst_levels,
         "worst_pixel": error.worst_pixel,
         "share_over_1_level": error.share_over_one_level,
-        "flip_mean": error.flip,
+        "ssim": error.ssim,
     })
 }
