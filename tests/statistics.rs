@@ -1,0 +1,324 @@
+//! What random samples promise: right in the mean, with any sampler and any number of them, and honest about their
+//! error.
+//!
+//! `cargo test --release --test statistics -- --ignored --nocapture` runs the long form of the test of honesty and
+//! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
+
+use a2::args::{RenderArgs, Request};
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+const SCENES: [&str; 7] = [
+    "scene01_plane.txt",
+    "scene02_cube.txt",
+    "scene03_sphere.txt",
+    "scene04_axes.txt",
+    "scene05_bunny_200.txt",
+    "scene06_bunny_1k.txt -bounces 4",
+    "scene07_arch.txt -bounces 4 -shadows",
+];
+const SAMPLERS: [&str; 3] = ["independent", "stratified", "sobol"];
+
+fn arguments(scene: &str, flags: &str) -> RenderArgs {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let line = format!("-input {}/{scene} -output unused.png -quiet {flags}", data.display());
+    match a2::args::parse(line.split(' ').filter(|word| !word.is_empty()).map(OsString::from)) {
+        Ok(Request::Render(mut args)) => {
+            args.measure.keep_linear = true;
+            *args
+        }
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+fn rendered(args: &RenderArgs) -> a2::Rendered {
+    a2::render_scene(args).unwrap()
+}
+
+/// Colours of a picture, as numbers.
+fn colors(args: &RenderArgs) -> Vec<f64> {
+    rendered(args).film.linear.unwrap().into_iter().map(f64::from).collect()
+}
+
+/// Mean and variance of many pictures with different seeds, value by value.
+struct Many {
+    runs: f64,
+    mean: Vec<f64>,
+    /// Of a single picture.
+    variance: Vec<f64>,
+}
+
+/// One value a pixel: the mean of its channels.
+fn many(args: &RenderArgs, seeds: std::ops::Range<u64>) -> Many {
+    let runs = (seeds.end - seeds.start) as f64;
+    let mut many = Many { runs, mean: vec![], variance: vec![] };
+    for (run, seed) in seeds.enumerate() {
+        let values = colors(&RenderArgs { seed, ..args.clone() });
+        let values: Vec<f64> = values.chunks(3).map(|c| (c[0] + c[1] + c[2]) / 3.0).collect();
+        if run == 0 {
+            many.mean = vec![0.0; values.len()];
+            many.variance = vec![0.0; values.len()];
+        }
+        // Welford's update of sums of squares.
+        for (i, value) in values.into_iter().enumerate() {
+            let difference = value - many.mean[i];
+            many.mean[i] += difference / (run + 1) as f64;
+            many.variance[i] += difference * (value - many.mean[i]);
+        }
+    }
+    many.variance.iter_mut().for_each(|sum| *sum /= runs - 1.0);
+    many
+}
+
+/// Samples of the independent sampler in the pictures that count as true.
+const TRUE_SAMPLES: f64 = 64.0;
+
+/// How many standard errors the means of two series of pictures are apart: the worst pixel's, and that of the sums over
+/// all pixels, which is far more sensitive to a common shift. The pictures of the first series have at least `samples`
+/// samples a pixel.
+fn distances(series: &Many, truth: &Many, samples: f64) -> (f64, f64) {
+    let mut worst: f64 = 0.0;
+    let (mut differences, mut variances) = (0.0, 0.0);
+    for i in 0..series.mean.len() {
+        let difference = series.mean[i] - truth.mean[i];
+        let of_truth = truth.variance[i] / truth.runs;
+        differences += difference;
+        variances += series.variance[i] / series.runs + of_truth;
+        // What is rare may not have been seen at all in the series, and then its variance is not seen either.
+        let independent = truth.variance[i] * TRUE_SAMPLES / samples;
+        let variance = series.variance[i].max(independent) / series.runs + of_truth;
+        if variance > 1e-18 {
+            worst = worst.max(difference.abs() / variance.sqrt());
+        }
+    }
+    (worst, differences.abs() / variances.sqrt())
+}
+
+/// Some 256 pixels are tested in thirty pairs of series: beyond 5.5 standard errors lies, with some 60 degrees of
+/// freedom, less than one of a million; all pixels together exceed 4.2 in one of 40,000 cases.
+fn assert_same_mean(what: &str, series: &Many, truth: &Many, samples: f64) {
+    let (worst, together) = distances(series, truth, samples);
+    assert!(
+        worst < 5.5 && together < 4.2,
+        "{what}: worst pixel {worst:.2}, together {together:.2} standard errors"
+    );
+}
+
+const SMALL: &str = "-size 16 16";
+
+#[test]
+fn every_sampler_is_right_in_the_mean_with_any_number_of_samples() {
+    for scene in [SCENES[3], SCENES[6]] {
+        let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
+        for sampler in SAMPLERS {
+            for samples in [1, 7, 16] {
+                let flags = format!("{SMALL} -sampler {sampler} -samples {samples}");
+                let series = many(&arguments(scene, &flags), 0..60);
+                assert_same_mean(&format!("{scene} {flags}"), &series, &truth, f64::from(samples));
+            }
+        }
+    }
+}
+
+#[test]
+fn halves_for_an_estimate_are_right_in_the_mean() {
+    let scene = SCENES[1];
+    let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
+    for sampler in ["stratified", "sobol"] {
+        for samples in [3, 16] {
+            let flags = format!("{SMALL} -sampler {sampler} -samples {samples} -stats");
+            assert_same_mean(&flags, &many(&arguments(scene, &flags), 0..60), &truth, f64::from(samples));
+        }
+    }
+}
+
+#[test]
+fn samples_that_go_where_they_are_needed_are_right_in_the_mean() {
+    for (scene, filter) in [(SCENES[1], ""), (SCENES[6], ""), (SCENES[3], "-filter")] {
+        let truth = format!("{SMALL} -sampler independent -samples 64 {filter}");
+        let truth = many(&arguments(scene, &truth), 1000..1060);
+        for sampler in ["", "-sampler independent", "-sampler stratified"] {
+            let flags = format!("{SMALL} -target-error 3 {sampler} {filter}");
+            let series = many(&arguments(scene, &flags), 0..80);
+            assert_same_mean(&format!("{scene} {flags}"), &series, &truth, 2.0);
+        }
+    }
+}
+
+/// A test of means that sees nothing would pass all of the above.
+#[test]
+fn a_shift_of_the_samples_would_be_seen() {
+    let scene = SCENES[3];
+    let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1060);
+    // The same pictures of a grid one sixteenth larger.
+    let shifted = many(&arguments(scene, "-size 17 17 -samples 16"), 0..60);
+    let cut = |values: &[f64]| values.chunks(17).take(16).flat_map(|row| row[..16].to_vec()).collect::<Vec<f64>>();
+    let shifted = Many { runs: shifted.runs, mean: cut(&shifted.mean), variance: cut(&shifted.variance) };
+    let (worst, together) = distances(&shifted, &truth, 16.0);
+    assert!(worst > 20.0 || together > 20.0, "worst {worst}, together {together}");
+}
+
+#[test]
+fn even_samples_are_better_than_independent_ones() {
+    // Sobol with 8 samples is at least as good as 16 independent ones in every scene, for all of them have edges.
+    for scene in SCENES {
+        let size = "-size 32 32";
+        let truth = colors(&arguments(scene, &format!("{size} -sampler sobol -samples 512 -seed 99")));
+        let error = |sampler: &str, samples: u32| {
+            let flags = format!("{size} -sampler {sampler} -samples {samples}");
+            (0..4)
+                .map(|seed| mean_square(&colors(&RenderArgs { seed, ..arguments(scene, &flags) }), &truth))
+                .sum::<f64>()
+        };
+        let (independent, stratified, sobol) =
+            (error("independent", 16), error("stratified", 8), error("sobol", 8));
+        assert!(stratified.min(sobol) < independent, "{scene}: {independent} {stratified} {sobol}");
+    }
+}
+
+fn mean_square(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64
+}
+
+/// As pictures show it.
+fn shown(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| value.clamp(0.0, 1.0)).collect()
+}
+
+/// Runs of a scene whose true error, in linear values and in levels, lies within the interval that was stated.
+#[derive(Clone, Copy, Default)]
+struct Honesty {
+    runs: u32,
+    linear: u32,
+    levels: u32,
+    /// Sum of the estimated squared errors over that of the true ones, in levels.
+    estimated: f64,
+    true_sum: f64,
+}
+
+fn honesty(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Honesty {
+    let mut honesty = Honesty::default();
+    for seed in 0..seeds {
+        let run = rendered(&RenderArgs { seed, ..arguments(scene, flags) });
+        let estimate = run.estimate.unwrap();
+        let colors: Vec<f64> = run.film.linear.unwrap().into_iter().map(f64::from).collect();
+        let linear = mean_square(&colors, truth).sqrt();
+        let levels = 255.0 * mean_square(&shown(&colors), &shown(truth)).sqrt();
+        honesty.runs += 1;
+        honesty.linear += u32::from((estimate.linear.low..=estimate.linear.high).contains(&linear));
+        honesty.levels += u32::from((estimate.levels.low..=estimate.levels.high).contains(&levels));
+        honesty.estimated += estimate.levels.rmse.powi(2);
+        honesty.true_sum += levels.powi(2);
+    }
+    honesty
+}
+
+/// Prints a table and returns the shares of honest runs of each kind of flags over all scenes.
+fn honesty_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> Vec<(f64, f64)> {
+    let mut totals = vec![Honesty::default(); kinds.len()];
+    println!("| scene | samples | true RMSE within 95% interval, linear | levels | estimated MSE / true MSE |");
+    println!("|---|---|---|---|---|");
+    for scene in SCENES {
+        let size = format!("-size {size} {size}");
+        let truth = format!("{size} -sampler sobol -samples {truth_samples} -seed 987654321");
+        let truth = colors(&arguments(scene, &truth));
+        for (kind, total) in kinds.iter().zip(&mut totals) {
+            let found = honesty(scene, &truth, &format!("{size} {kind}"), seeds);
+            let percent = |count: u32| 100.0 * f64::from(count) / f64::from(found.runs);
+            println!(
+                "| {} | {kind} | {:.0}% | {:.0}% | {:.3} |",
+                &scene[..7],
+                percent(found.linear),
+                percent(found.levels),
+                found.estimated / found.true_sum
+            );
+            total.runs += found.runs;
+            total.linear += found.linear;
+            total.levels += found.levels;
+        }
+    }
+    let share = |count, total: &Honesty| f64::from(count) / f64::from(total.runs);
+    totals.iter().map(|total| (share(total.linear, total), share(total.levels, total))).collect()
+}
+
+/// 140 runs of each kind: an estimate that is right in 95% of them would show less than 89% in 1 of 500 cases.
+#[test]
+fn the_stated_error_is_honest() {
+    let kinds =
+        ["-stats -sampler independent", "-stats -sampler stratified", "-stats -sampler sobol", "-target-error 4"];
+    let shares = honesty_table(24, 512, 20, &kinds);
+    for (kind, (linear, levels)) in kinds.iter().zip(shares) {
+        println!("{kind}: linear {linear:.3}, levels {levels:.3}");
+        assert!(linear >= 0.89 && levels >= 0.89, "{kind}: linear {linear}, levels {levels}");
+    }
+}
+
+/// An interval that is always right says nothing.
+#[test]
+fn the_stated_interval_is_narrow() {
+    let estimate = rendered(&arguments(SCENES[3], "-size 64 64 -stats -samples 16")).estimate.unwrap().levels;
+    assert!(estimate.low > 0.75 * estimate.rmse && estimate.high < 1.25 * estimate.rmse, "{estimate:?}");
+}
+
+#[test]
+#[ignore = "takes many minutes; its table is in docs/error-vs-time.md"]
+fn the_stated_error_is_honest_in_every_scene() {
+    let kinds = ["-stats -sampler independent", "-stats -sampler stratified", "-stats -sampler sobol"];
+    for (kind, (linear, levels)) in kinds.iter().zip(honesty_table(50, 1024, 100, &kinds)) {
+        println!("{kind}: linear {linear:.3}, levels {levels:.3}");
+        assert!((0.90..=0.99).contains(&linear) && (0.90..=0.99).contains(&levels), "{kind}: {linear} {levels}");
+    }
+}
+
+#[test]
+fn a_target_error_is_reached_and_flat_pixels_stop_early() {
+    for scene in SCENES {
+        let args = arguments(scene, "-size 32 32 -target-error 2");
+        let run = rendered(&args);
+        assert!(run.estimate.unwrap().levels.rmse <= 2.0, "{scene}");
+        let (least, most) = (run.sampling.least.unwrap(), run.sampling.most);
+        assert!(f64::from(least) < run.sampling.mean() && most >= 4 * least, "{scene}: {:?}", run.sampling);
+    }
+    // No edges, no variance: nothing beyond the first look.
+    let flat = rendered(&arguments("scene01_plane.txt", "-size 1 1 -target-error 1"));
+    assert!(flat.sampling.most <= 2, "{:?}", flat.sampling);
+}
+
+#[test]
+fn adaptive_pictures_are_the_same_at_every_thread_count() {
+    let args = arguments(SCENES[6], "-size 40 40 -target-error 2 -filter -normals n.png -depth 8 18 d.png");
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let film = pool.install(|| rendered(&args)).film;
+        (film.color, film.normals, film.depth)
+    };
+    assert!(with_threads(1) == with_threads(3));
+}
+
+#[test]
+fn a_time_limit_leaves_a_whole_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in SCENES {
+        let limited = arguments(scene, "-size 400 400");
+        let plain = rendered(&limited).film.color.unwrap();
+        let picture = folder.path().join("o.png");
+        let line = format!("{} -size 400 400 -time-limit 0.2 -quiet -output", limited.input.display());
+        let flags = scene.split(' ').skip(1);
+        let start = Instant::now();
+        let status = Command::new(env!("CARGO_BIN_EXE_a2"))
+            .args(["-input"].into_iter().chain(line.split(' ')))
+            .arg(&picture)
+            .args(flags)
+            .status();
+        assert!(status.unwrap().success(), "{scene}");
+        // Ten times as long, for machines that do much else.
+        assert!(start.elapsed() < Duration::from_secs(2), "{scene}: {:?}", start.elapsed());
+        let bytes = image::open(&picture).unwrap().into_rgb8();
+        assert_eq!(bytes.dimensions(), (400, 400));
+        let squares: f64 = bytes.iter().zip(&plain).map(|(&a, &b)| f64::from(a.abs_diff(b)).powi(2)).sum();
+        let rmse = (squares / plain.len() as f64).sqrt();
+        assert!(rmse < 40.0, "{scene}: {rmse} levels from the plain picture");
+    }
+}
