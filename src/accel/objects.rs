@@ -23,7 +23,7 @@ pub struct Hit {
 const LARGEST_SPREAD: Real = 1e-9;
 
 /// Up to so many bounded objects are asked one by one.
-pub const LOOP_OBJECTS: usize = 4;
+pub const LOOP_OBJECTS: usize = 16;
 
 /// The objects of a scene, sorted for finding hits.
 #[derive(Debug)]
@@ -162,10 +162,17 @@ impl Accelerator {
             if let Some(bounds) = &object.bounds {
                 mask = self.level.run(Meeting { bundle: &bundle, bounds, spread: object.spread, mask });
             }
-            if mask != 0 {
-                questions.ask(index, prepared.rays(mask), mask);
-                open = questions.open(open);
+            if mask == 0 {
+                continue;
             }
+            let object = &objects[index as usize];
+            match &object.shape {
+                Shape::Plane(plane) if object.bounds.is_none() => {
+                    object.plane_hits(plane, rays, mask, |number, t| questions.take(index, number, t));
+                }
+                _ => questions.ask(index, prepared.rays(mask), mask),
+            }
+            open = questions.open(open);
         }
         let Some(treed) = &self.treed else { return };
         let (bounds, spread) = (treed.frame.bounds(), treed.frame.spread());
@@ -223,6 +230,8 @@ trait Questions {
     fn t_max(&self, number: usize) -> Real;
     /// Asks an object about the rays of a mask.
     fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64);
+    /// Hears that a ray hits an object at t.
+    fn take(&mut self, index: u32, number: usize, t: Real);
 }
 
 struct ObjectLeaves<'a, Q> {
@@ -281,6 +290,13 @@ impl Questions for Closest<'_> {
             }
         }
     }
+
+    fn take(&mut self, index: u32, number: usize, t: Real) {
+        let search = &mut self.searches[number];
+        if t < search.limit_for(index) {
+            search.closest = Some(Hit { object: index, at: ObjectHit::at(t) });
+        }
+    }
 }
 
 /// Whether anything is in the way of many rays.
@@ -315,6 +331,10 @@ impl Questions for Any<'_> {
                 }
             }
         }
+    }
+
+    fn take(&mut self, _: u32, number: usize, t: Real) {
+        self.found |= u64::from(t <= self.t_max[number]) << number;
     }
 }
 

@@ -98,18 +98,22 @@ impl Object {
     /// enters them. That is part of the definition: whoever skips objects by their bounds changes nothing.
     pub fn closest_hit(&self, meshes: &[Mesh], world: &PreparedRay, t_max: Real) -> Option<ObjectHit> {
         let near = self.entry(world, t_max)?;
-        let mut hit = self.in_object_space(world, |ray| match &self.shape {
-            Shape::Sphere(sphere) => sphere.hit(&ray.ray).map(ObjectHit::at),
-            Shape::Plane(plane) => plane.hit(&ray.ray).map(ObjectHit::at),
+        let mut hit = match &self.shape {
+            Shape::Sphere(sphere) => sphere.hit(&self.ray_to_object(&world.ray)).map(ObjectHit::at),
+            Shape::Plane(plane) => plane.hit(&self.ray_to_object(&world.ray)).map(ObjectHit::at),
             Shape::Triangle(triangle) => {
-                triangle.hit(ray).map(|hit| ObjectHit { t: hit.t, triangle: 0, barycentric: hit.barycentric })
+                let found = self.in_object_space(world, |ray| triangle.hit(ray));
+                found.map(|hit| ObjectHit { t: hit.t, triangle: 0, barycentric: hit.barycentric })
             }
-            Shape::Mesh(mesh) => meshes[*mesh as usize].closest_hit(ray, t_max).map(|found| ObjectHit {
-                t: found.hit.t,
-                triangle: found.triangle,
-                barycentric: found.hit.barycentric,
-            }),
-        })?;
+            Shape::Mesh(mesh) => {
+                let found = self.in_object_space(world, |ray| meshes[*mesh as usize].closest_hit(ray, t_max));
+                found.map(|found| ObjectHit {
+                    t: found.hit.t,
+                    triangle: found.triangle,
+                    barycentric: found.hit.barycentric,
+                })
+            }
+        }?;
         hit.t = hit.t.max(near);
         (hit.t < t_max).then_some(hit)
     }
@@ -120,12 +124,15 @@ impl Object {
         if self.entry(world, t_max).is_none() {
             return false;
         }
-        self.in_object_space(world, |ray| match &self.shape {
-            Shape::Sphere(sphere) => sphere.hit(&ray.ray).is_some_and(|t| t <= t_max),
-            Shape::Plane(plane) => plane.hit(&ray.ray).is_some_and(|t| t <= t_max),
-            Shape::Triangle(triangle) => triangle.hit(ray).is_some_and(|hit| hit.t <= t_max),
-            Shape::Mesh(mesh) => meshes[*mesh as usize].any_hit(ray, t_max),
-        })
+        let t = match &self.shape {
+            Shape::Sphere(sphere) => sphere.hit(&self.ray_to_object(&world.ray)),
+            Shape::Plane(plane) => plane.hit(&self.ray_to_object(&world.ray)),
+            Shape::Triangle(triangle) => self.in_object_space(world, |ray| triangle.hit(ray)).map(|hit| hit.t),
+            Shape::Mesh(mesh) => {
+                return self.in_object_space(world, |ray| meshes[*mesh as usize].any_hit(ray, t_max));
+            }
+        };
+        t.is_some_and(|t| t <= t_max)
     }
 
     /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`.
@@ -204,6 +211,20 @@ impl Object {
             Some(bounds) if self.spread == 0.0 => bounds.entry(world, 0.0, t_max),
             Some(bounds) => bounds.entry(world, self.spread * world.ray.origin.max_abs(), t_max),
             None => Some(0.0),
+        }
+    }
+
+    fn ray_to_object(&self, world: &Ray) -> Ray {
+        self.placement.as_ref().map_or(*world, |placement| placement.ray_to_object(world))
+    }
+
+    /// Of those of at most 64 rays that are in `mask`, tells `found` the hits of an object that is a plane, with t below
+    /// [`T_MAX`]. A plane has no bounds, so rays need no preparation.
+    pub fn plane_hits(&self, plane: &Plane, world: &[Ray], mask: u64, mut found: impl FnMut(usize, Real)) {
+        for number in numbers_in(mask) {
+            if let Some(t) = plane.hit(&self.ray_to_object(&world[number])).filter(|&t| t < T_MAX) {
+                found(number, t);
+            }
         }
     }
 
