@@ -136,15 +136,19 @@ impl Frame {
 
     /// The ray in the frame. At t = `start` it must be within 1 + 2^-16 of the middle on every axis, and not yet in
     /// the box unless `start` is 0.
-    #[inline]
+    #[inline(always)]
     pub fn enter_at(&self, ray: &Ray, start: Real) -> Entry {
         let from_center = ray.origin - self.center;
-        let largest = ray.direction.max_abs();
-        let near_enough = from_center.max_abs() * self.scale <= FARTHEST && from_center.is_finite();
-        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && ray.direction.is_finite();
-        let spread = || self.spread * ray.origin.max_abs() * self.scale;
-        let spread_fits = self.spread == 0.0 || spread() <= LARGEST_SPREAD;
-        if !near_enough || !sane || !spread_fits {
+        let within = |vector: Vector3, limit: Real| {
+            // Written so that NaN is not within.
+            vector.x.abs() <= limit && vector.y.abs() <= limit && vector.z.abs() <= limit
+        };
+        let [x, y, z] = ray.direction.map(Real::abs).to_array();
+        let largest = if x > y { x } else { y };
+        let largest = if largest > z { largest } else { z };
+        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && within(ray.direction, largest);
+        let spread_fits = self.spread == 0.0 || self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD;
+        if !(sane && spread_fits && within(from_center * self.scale, FARTHEST)) {
             return Entry::Unknown;
         }
         let origin = (from_center + ray.direction * start) * self.scale;

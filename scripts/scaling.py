@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""How the time of `a2` grows with the work: one table a quantity, with slopes.
+
+    scripts/scaling.py [--a2 target/release/a2] [--meshes FOLDER] [--repeats N] [--only WORD]
+
+A slope is log(time ratio)/log(work ratio) between neighbouring rows: 1 means that twice the work takes twice the time,
+0 that it costs nothing. Times are medians of whole processes, less the time of the same job at 1 x 1 pixels where that
+job loads the same files. FOLDER holds bunny_64k.obj, bunny_1m.obj and bunny_4m.obj (scripts/make_meshes.py); what is
+missing is left out.
+"""
+
+import argparse
+import math
+import statistics
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+SCENE = """PerspectiveCamera {{ center 0 1 5 direction 0 -0.15 -1 up 0 1 0 angle 40 }}
+Lights {{ numLights {lights} {light_blocks} }}
+Background {{ color 0.2 0.3 0.5 ambientLight 0.1 0.1 0.1 }}
+Materials {{ numMaterials 1 PhongMaterial {{ diffuseColor 0.7 0.6 0.5 specularColor 0.3 0.3 0.3 shininess 20 }} }}
+Group {{ numObjects {objects} MaterialIndex 0 Plane {{ normal 0 1 0 offset -1 }} {object_blocks} }}
+"""
+
+
+def scene(path, lights=1, spheres=1, mesh=None):
+    """A plane with spheres in a cube, or a mesh, under directional lights."""
+    light = "DirectionalLight {{ direction {} -1 -0.5 color 0.3 0.3 0.3 }}"
+    light_blocks = " ".join(light.format(i / lights - 0.5) for i in range(lights))
+    if mesh:
+        blocks = [f"Transform {{ Translate 0 -1 0 UniformScale 10 TriangleMesh {{ obj_file {mesh} }} }}"]
+    else:
+        side = round(spheres ** (1 / 3)) or 1
+        places = ((i % side, i // side % side, i // side**2) for i in range(spheres))
+        step = 2 / side
+        blocks = [
+            f"Sphere {{ center {-1 + (x + 0.5) * step:.5f} {-0.9 + (y + 0.5) * step:.5f} {-1 + (z + 0.5) * step:.5f}"
+            f" radius {0.3 * step:.5f} }}"
+            for x, y, z in places
+        ]
+    path.write_text(
+        SCENE.format(lights=lights, light_blocks=light_blocks, objects=1 + len(blocks), object_blocks="\n".join(blocks))
+    )
+    return path
+
+
+def seconds(command, repeats):
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        subprocess.run([str(word) for word in command], check=True)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--a2", type=Path, default=ROOT / "target" / "release" / "a2")
+    parser.add_argument("--meshes", type=Path)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--only", default="")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        file = folder / "s.txt"
+
+        def job(size=400, threads=2, bounces=0, flags=(), **what):
+            scene(file, **what)
+            base = [args.a2, "-quiet", "-input", file, "-output", folder / "o.png", "-threads", threads]
+            base += ["-shadows", "-bounces", bounces, *flags, "-size"]
+            loading = seconds([*base, 1, 1], args.repeats)
+            return max(seconds([*base, size, size], args.repeats) - loading, 1e-6), loading
+
+        meshes = {200: ROOT / "data/models/bunny_200.obj", 1000: ROOT / "data/models/bunny_1k.obj"}
+        if args.meshes:
+            big = {64_000: "64k", 1_024_000: "1m", 4_096_000: "4m"}
+            meshes |= {count: (args.meshes / f"bunny_{name}.obj").resolve() for count, name in big.items()}
+        sampling = {1: (), 9: ("-filter",), 16: ("-jitter",), 144: ("-jitter", "-filter")}
+        tables = {
+            "triangles": [(n, {"mesh": path}) for n, path in meshes.items() if path.exists()],
+            "pixels": [(side * side, {"size": side}) for side in (200, 400, 800, 1600)],
+            "rays a pixel": [(n, {"flags": flags, "size": 200}) for n, flags in sampling.items()],
+            "lights": [(n, {"lights": n}) for n in (1, 4, 16, 64)],
+            "bounces": [(n, {"bounces": n, "spheres": 27}) for n in (1, 2, 4, 8)],
+            "objects": [(n, {"spheres": n}) for n in (1, 27, 1000, 27_000, 1_000_000)],
+            "threads": [(n, {"threads": n, "size": 800, "flags": ("-jitter",)}) for n in (1, 2)],
+        }
+        for name, rows in tables.items():
+            if args.only not in name:
+                continue
+            print(f"\n| {name} | rendering, s | slope | the rest, s |\n|---|---|---|---|")
+            before = None
+            for work, what in rows:
+                rendering, loading = job(**what)
+                slope = ""
+                if before:
+                    slope = f"{math.log(rendering / before[1]) / math.log(work / before[0]):.2f}"
+                print(f"| {work:,} | {rendering:.3f} | {slope} | {loading:.3f} |", flush=True)
+                before = (work, rendering)
+
+
+if __name__ == "__main__":
+    main()
