@@ -51,8 +51,9 @@ awk -F'\t' '
             f32 = (case in theirs) ? shown(case, theirs[case]) : "no answer"
             fails = !(case in theirs) || theirs[case] == "NaN" || theirs[case] == "inf" || theirs[case] + 0 > bound[case] + 0
             failed += fails
-            printf "| %s | %s | %s | %s |\n", case, yes_or_no[case] ? "yes" : short(bound[case]), shown(case, ours[case]), fails ? "**" f32 "**" : f32
+            printf "| %s | %s | %s | %s |\n", case, yes_or_no[case] ? "yes" : short(bound[case]), shown(case, ours[case]), fails ? "**" f32 "**" : f32 | "sort"
         }
+        close("sort")
         printf "\n%d cases. Single precision fails %d of them (bold).\n", count, failed
         print failed > "'"$work"'/failed"
     }
