@@ -97,7 +97,7 @@ seconds() { # the median of five
             "| $(over "$work/f64d.png" "$work/f32d.png" 0), $(over "$work/f64d.png" "$work/f32d.png" 8) | $ratio |"
     done
     echo
-    echo "400 x 400 pixels each, files and all. Of the cases above, f32 loses $(cat "$work/failed"), f64 none."
+    echo "400 x 400 pixels each. Of the cases above, f32 loses $(cat "$work/failed"), f64 none."
 } > "$work/precision.md"
 fill precision < "$work/precision.md"
 
