@@ -20,11 +20,16 @@ const MAX_SAMPLES_A_HALF: u32 = 1 << 15;
 /// has missed is found when there is nothing else left to improve.
 const LEAST_VARIANCE: f32 = 1.0;
 
+/// Weights are rounded to so many steps a doubling, so that sums over all pixels are sums over a few steps.
+const STEPS: f64 = 16.0;
+
 /// What is known before sampling.
 #[derive(Debug)]
 pub struct Allocation {
-    /// (s^2)^(1/(1 + b)), a pixel, s in levels.
-    weights: Vec<f32>,
+    /// The weight (s^2)^(1/(1 + b)) of each pixel, s in levels, as its logarithm in steps.
+    steps: Vec<u8>,
+    /// The sum of s^2 over the pixels of each step.
+    variances: Vec<f64>,
     decay: f64,
     /// Samples in each half of a pixel are this times its weight.
     scale: f64,
@@ -32,31 +37,35 @@ pub struct Allocation {
     calibration: f64,
 }
 
+/// The weight of a step.
+fn weight(step: usize) -> f64 {
+    (step as f64 / STEPS).exp2()
+}
+
 impl Allocation {
     /// `variances` are those of single samples in squared levels, one a pixel, rows of `width`.
     pub fn new(variances: &[f32], width: usize, decay: f64) -> Self {
-        let exponent = 1.0 / (1.0 + decay);
-        let weights = pooled(variances, width)
+        let steps_a_doubling = (STEPS / (1.0 + decay)) as f32;
+        let steps: Vec<u8> = pooled(variances, width)
             .into_par_iter()
-            .map(|variance| f64::from(variance.max(LEAST_VARIANCE)).powf(exponent) as f32)
+            .map(|variance| (steps_a_doubling * variance.max(LEAST_VARIANCE).log2()).round() as u8)
             .collect();
-        Self { weights, decay, scale: 0.0, calibration: 1.0 }
+        let mut sums = vec![0.0; 256];
+        steps.iter().for_each(|&step| sums[usize::from(step)] += weight(usize::from(step)).powf(1.0 + decay));
+        Self { steps, variances: sums, decay, scale: 0.0, calibration: 1.0 }
     }
 
     /// Samples in each half of a pixel, at the present scale.
     pub fn goal(&self, pixel: usize) -> u32 {
-        goal(f64::from(self.weights[pixel]) * self.scale)
+        goal(weight(usize::from(self.steps[pixel])) * self.scale)
     }
 
     /// The mean squared error in levels that the model expects with this scale.
     fn expected(&self, scale: f64) -> f64 {
-        let error = |&weight: &f32| {
-            let variance = f64::from(weight).powf(1.0 + self.decay);
-            variance / (2.0 * f64::from(goal(f64::from(weight) * scale)).powf(self.decay))
+        let error = |(step, variance): (usize, &f64)| {
+            variance / (2.0 * f64::from(goal(weight(step) * scale)).powf(self.decay))
         };
-        // A sum in a fixed order, so that it is the same with any number of threads.
-        let parts: Vec<f64> = self.weights.par_chunks(1 << 14).map(|part| part.iter().map(error).sum()).collect();
-        parts.iter().sum::<f64>() / self.weights.len() as f64
+        self.variances.iter().enumerate().map(error).sum::<f64>() / self.steps.len() as f64
     }
 
     /// The mean squared error has turned out to be `measured` (squared levels).
@@ -70,8 +79,8 @@ impl Allocation {
     /// Raises the scale until the model, as calibrated, expects a mean squared error below `aim` (squared levels).
     /// False where no pixel may get more samples than it has.
     pub fn raise(&mut self, aim: f64) -> bool {
-        const LARGEST: f64 = MAX_SAMPLES_A_HALF as f64;
-        if self.weights.iter().all(|&weight| f64::from(weight) * self.scale >= LARGEST) {
+        let least = self.variances.iter().position(|&variance| variance > 0.0).unwrap_or(0);
+        if weight(least) * self.scale >= f64::from(MAX_SAMPLES_A_HALF) {
             return false;
         }
         let old = self.scale;

@@ -9,7 +9,7 @@ use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::sampling::{SamplePattern, SamplerKind};
-use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, see_all};
+use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead, see_all};
 use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
 use crate::film::{Film, Pixel};
@@ -59,6 +59,7 @@ pub fn render(
     deadline: Option<Instant>,
     progress: &dyn Progress,
 ) -> (Frame, Sampling) {
+    decode_faces_ahead(scene, plan, args);
     let with_others = plan.depth || plan.normals;
     let tiles = Tile::all(args.width, args.height).into_iter().map(|tile| {
         let pixels = (tile.width * tile.height) as usize;

@@ -71,7 +71,7 @@ pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Prog
 }
 
 /// Decodes the cube map faces that a few rays reach, before threads wait for one another at the first ray to reach each.
-fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
+pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
     /// Pixels along each side that are tried, and the least picture that is worth it.
     const TRIED: u32 = 32;
     let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };

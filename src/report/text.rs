@@ -101,6 +101,7 @@ impl Report<'_> {
                 "estimated    RMSE {:.4} levels, 95% between {:.4} and {:.4} (linear {:.3e})\n",
                 levels.rmse, levels.low, levels.high, linear.rmse
             ),
+            None if self.args.color.is_none() => "estimated    no error: no colours are asked for\n".to_owned(),
             None if self.args.jitter => "estimated    no error: too few samples to tell\n".to_owned(),
             None => "estimated    no error: nothing is random (give -jitter or -samples)\n".to_owned(),
         };
