@@ -6,7 +6,9 @@
 //! triangle's plane is a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
 //! Intersection, 1997)
 //!
-//!     D = d.N    U = e2.R    V = -e1.R    W = D - U - V    T = C.N
+//! ```text
+//! D = d.N    U = e2.R    V = -e1.R    W = D - U - V    T = C.N
+//! ```
 //!
 //! and it lies in the triangle if U, V and W have one sign. In the [`Frame`](super::frame::Frame), let e = 2^-24 and
 //! h the largest component of e1 and e2, which are computed in `f64` and then rounded (error e h). With |C| <= 2 + 2^-15
