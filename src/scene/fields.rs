@@ -144,7 +144,12 @@ impl<'a> Fields<'a> {
         self.open_brace(name.text)?;
         let mut seen: Vec<(&str, Span)> = Vec::new();
         loop {
-            let token = self.next(&format!("'}}' to end '{}' of line {}", name.text, self.line(name.span)))?;
+            // Counting lines is left for the mistake: for each block, it would take time with the square of the file.
+            let Some(token) = self.lexer.next() else {
+                return self
+                    .next(&format!("'}}' to end '{}' of line {}", name.text, self.line(name.span)))
+                    .map(drop);
+            };
             if token.text == "}" {
                 break;
             }
