@@ -30,6 +30,12 @@ impl SourceText {
         (line, before[line_start..].chars().count() + 1)
     }
 
+    /// `file:line:column` of a place. Counts all lines before it: for messages, not for every object.
+    pub fn location(&self, span: Span) -> String {
+        let (line, column) = self.line_and_column(span.start);
+        format!("{}:{line}:{column}", self.path.display())
+    }
+
     /// An error about `span` of this text.
     pub fn error(self: &Arc<Self>, span: Span, message: impl Into<String>) -> Error {
         Error::Source(SourceError { source_text: Arc::clone(self), span, message: message.into(), note: None })
@@ -51,8 +57,7 @@ const QUOTED_MARGIN: usize = 100;
 impl SourceError {
     /// `file:line:column` of the mistake.
     pub fn location(&self) -> String {
-        let (line, column) = self.source_text.line_and_column(self.span.start);
-        format!("{}:{line}:{column}", self.source_text.path.display())
+        self.source_text.location(self.span)
     }
 
     /// The part of the line to show, and the mistake's place in it. Long lines are cut, so that a file of one

@@ -238,7 +238,7 @@ fn numbers_in_braces<const N: usize>(fields: &mut Fields, key: &str) -> Result<[
     for number in &mut numbers {
         *number = fields.number(key)?;
     }
-    let token = fields.next(&format!("'}}' to end '{key}'"))?;
+    let token = fields.next(|_| format!("'}}' to end '{key}'"))?;
     if token.text == "}" {
         return Ok(numbers);
     }

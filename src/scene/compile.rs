@@ -8,7 +8,7 @@ use super::{Background, Scene, mesh_file};
 use crate::accel::Accelerator;
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
-use crate::error::{Error, SourceText, Span};
+use crate::error::{Error, SourceText};
 use crate::light::Light;
 use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
 use crate::plan::{Plan, to_material};
@@ -106,7 +106,7 @@ fn lights(
                 if *falloff == 0.0 {
                     warnings.push(format!(
                         "{}: this PointLight has no falloff, so its light is infinite",
-                        location(source, *span)
+                        source.location(*span)
                     ));
                 }
                 Light::Point { position: *position, color: *color, falloff: *falloff as Real }
@@ -121,11 +121,6 @@ fn lights(
         return Ok((lights, Vector3::splat(1.0)));
     }
     Ok((lights, description.background.ambient_light))
-}
-
-fn location(source: &SourceText, span: Span) -> String {
-    let (line, column) = source.line_and_column(span.start);
-    format!("{}:{line}:{column}", source.path.display())
 }
 
 /// The tree of objects as a list.
@@ -176,7 +171,7 @@ impl Flattened<'_> {
             return Ok(());
         }
         if matches!(&shape, Shape::Triangle(triangle) if triangle.normal == Vector3::ZERO) {
-            self.hints.left_out(&location(self.source, leaf.span));
+            self.hints.left_out(leaf.span);
             return Ok(());
         }
         let placement = match world_from_object {
@@ -186,7 +181,7 @@ impl Flattened<'_> {
                     .error(leaf.span, no_inverse("the product of the transforms around this object", matrix))
             })?)),
         };
-        self.hints.note(&location(self.source, leaf.span), &shape, world_from_object, bounds.as_ref());
+        self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
         self.objects.push(Object::new(shape, placement, leaf.material, bounds.as_ref()));
         Ok(())
     }

@@ -63,16 +63,17 @@ impl<'a> Fields<'a> {
         self.source.line_and_column(span.start).0
     }
 
-    /// The next token, or an error that says what was expected instead of the end of the file.
-    pub fn next(&mut self, expected: &str) -> Result<Token<'a>, Error> {
+    /// The next token, or an error that says what was expected instead of the end of the file. The expectation is put
+    /// into words only then: done for every token, it would take longer than reading.
+    pub fn next(&mut self, expected: impl FnOnce(&Self) -> String) -> Result<Token<'a>, Error> {
         self.lexer.next().ok_or_else(|| {
             let end = self.lexer.end();
-            self.error(end, format!("expected {expected}, found the end of the file"))
+            self.error(end, format!("expected {}, found the end of the file", expected(self)))
         })
     }
 
     pub fn open_brace(&mut self, block: &str) -> Result<(), Error> {
-        let token = self.next(&format!("'{{' after '{block}'"))?;
+        let token = self.next(|_| format!("'{{' after '{block}'"))?;
         if token.text == "{" {
             return Ok(());
         }
@@ -82,10 +83,9 @@ impl<'a> Fields<'a> {
 
     /// A word that is the value of `key`: no brace.
     pub fn word(&mut self, key: &str, expected: &str) -> Result<Token<'a>, Error> {
-        let expected = format!("{expected} for '{key}'");
-        let token = self.next(&expected)?;
+        let token = self.next(|_| format!("{expected} for '{key}'"))?;
         if matches!(token.text, "{" | "}") {
-            let message = format!("expected {expected}, found '{}'", token.text);
+            let message = format!("expected {expected} for '{key}', found '{}'", token.text);
             return Err(self.error(token.span, message));
         }
         Ok(token)
@@ -144,12 +144,8 @@ impl<'a> Fields<'a> {
         self.open_brace(name.text)?;
         let mut seen: Vec<(&str, Span)> = Vec::new();
         loop {
-            // Counting lines is left for the mistake: for each block, it would take time with the square of the file.
-            let Some(token) = self.lexer.next() else {
-                return self
-                    .next(&format!("'}}' to end '{}' of line {}", name.text, self.line(name.span)))
-                    .map(drop);
-            };
+            let token =
+                self.next(|fields| format!("'}}' to end '{}' of line {}", name.text, fields.line(name.span)))?;
             if token.text == "}" {
                 break;
             }

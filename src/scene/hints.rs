@@ -3,7 +3,7 @@
 //!
 //! One sentence for each kind, however many objects it is about; it names the first of them.
 
-use crate::error::SourceText;
+use crate::error::{SourceText, Span};
 use crate::objects::{Aabb, Object, Shape};
 use crate::plan::Plan;
 use crate::render::robust::Epsilon;
@@ -21,25 +21,26 @@ pub(super) struct Hints {
 #[derive(Default)]
 struct Found {
     count: usize,
-    first: String,
+    place: Span,
+    what: String,
 }
 
 impl Found {
-    fn add(&mut self, place: &str, what: impl FnOnce() -> String) {
+    fn add(&mut self, place: Span, what: impl FnOnce() -> String) {
         if self.count == 0 {
-            self.first = format!("{place}: {}", what());
+            (self.place, self.what) = (place, what());
         }
         self.count += 1;
     }
 
-    fn sentence(&self, advice: &str) -> Option<String> {
+    fn sentence(&self, source: &SourceText, advice: &str) -> Option<String> {
         let others = match self.count {
             0 => return None,
             1 => String::new(),
             2 => " (and one more like it)".to_owned(),
             n => format!(" (and {} more like it)", n - 1),
         };
-        Some(format!("{}{others}{advice}", self.first))
+        Some(format!("{}: {}{others}{advice}", source.location(self.place), self.what))
     }
 }
 
@@ -52,12 +53,12 @@ const NEARLY_SINGULAR: Real = 1e8;
 
 impl Hints {
     /// Notes a triangle without area, which no ray can be seen to hit.
-    pub fn left_out(&mut self, place: &str) {
+    pub fn left_out(&mut self, place: Span) {
         self.without_area.add(place, || "this triangle has no area and is left out".to_owned());
     }
 
     /// Looks at an object on its way into the scene.
-    pub fn note(&mut self, place: &str, shape: &Shape, matrix: Option<&Matrix4>, bounds: Option<&Aabb>) {
+    pub fn note(&mut self, place: Span, shape: &Shape, matrix: Option<&Matrix4>, bounds: Option<&Aabb>) {
         let condition = matrix.map_or(1.0, |matrix| matrix.linear().condition_number());
         if condition > NEARLY_SINGULAR {
             self.nearly_singular.add(place, || {
@@ -83,10 +84,10 @@ impl Hints {
 
     /// Adds to `warnings` whatever matters for the pictures of `plan`.
     pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, warnings: &mut Vec<String>) {
-        warnings.extend(self.without_area.sentence(""));
-        warnings.extend(self.nearly_singular.sentence(""));
+        warnings.extend(self.without_area.sentence(source, ""));
+        warnings.extend(self.nearly_singular.sentence(source, ""));
         if !plan.robust && (plan.color || plan.normals) {
-            warnings.extend(self.unnormalized_planes.sentence(": -robust takes it as one"));
+            warnings.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
         }
         if plan.epsilon != Epsilon::default() || !(plan.shadows || plan.bounces > 0) {
             return;
@@ -100,7 +101,7 @@ impl Hints {
                 size as f64
             ));
         }
-        warnings.extend(self.thin_walls.sentence(": -robust fits any thickness"));
+        warnings.extend(self.thin_walls.sentence(source, ": -robust fits any thickness"));
     }
 }
 

@@ -118,8 +118,8 @@ impl<'a> Parser<'a> {
         let mut seen = Vec::new();
         let mut members = Vec::new();
         loop {
-            let expected = format!("'}}' to end 'Group' of line {}", self.fields.line(name.span));
-            let token = self.fields.next(&expected)?;
+            let token =
+                self.fields.next(|fields| format!("'}}' to end 'Group' of line {}", fields.line(name.span)))?;
             match token.text {
                 "}" => break,
                 "numObjects" => {
@@ -173,7 +173,7 @@ impl<'a> Parser<'a> {
         self.fields.open_brace(name.text)?;
         let mut steps = Vec::new();
         let child = loop {
-            let token = self.fields.next("a transformation or an object")?;
+            let token = self.fields.next(|_| "a transformation or an object".to_owned())?;
             if OBJECTS.contains(&token.text) {
                 break Box::new(self.object(token)?);
             }
@@ -185,7 +185,7 @@ impl<'a> Parser<'a> {
             }
             steps.push(At { value: blocks::transform_step(&mut self.fields, token)?, span: token.span });
         };
-        let token = self.fields.next("'}' to end 'Transform'")?;
+        let token = self.fields.next(|_| "'}' to end 'Transform'".to_owned())?;
         if token.text == "}" {
             return Ok(Node::Transform { steps, child });
         }
