@@ -28,6 +28,8 @@ pub struct Beam {
     inverse: [[Eight; GROUPS]; 3],
     origin_times_inverse: [[Eight; GROUPS]; 3],
     limit: [Eight; GROUPS],
+    /// What a walk still has to look at.
+    pending: [Pending; STACK],
 }
 
 /// What is to be done with rays that reach a leaf.
@@ -53,7 +55,13 @@ impl Beam {
         inverse: [[[1.0; WIDTH]; GROUPS]; 3],
         origin_times_inverse: [[[0.0; WIDTH]; GROUPS]; 3],
         limit: [[DONE; WIDTH]; GROUPS],
+        pending: [(0, 0, 0, 0.0); STACK],
     };
+
+    /// Takes all rays away. What is left of them has no limit to be met within, and is in no mask.
+    pub fn clear(&mut self) {
+        self.limit = Self::EMPTY.limit;
+    }
 
     /// Adds a ray.
     #[inline]
@@ -214,7 +222,6 @@ impl<V: Leaves> Task for BeamWalk<'_, V> {
             return;
         }
         let shaft = Shaft::around(self.beam, self.mask);
-        let mut stack: [Pending; STACK] = [(0, 0, 0, 0.0); STACK];
         let mut height = 0;
         let mut current = Some((Child::node(0), self.mask));
         loop {
@@ -229,14 +236,14 @@ impl<V: Leaves> Task for BeamWalk<'_, V> {
                     let (met, enter) = shaft.boxes(l, node, end);
                     let mut distances = [0.0; WIDTH];
                     l.store(enter, &mut distances);
-                    push(&mut stack, &mut height, child.index() as u32, met, mask, &distances);
+                    push(&mut self.beam.pending, &mut height, child.index() as u32, met, mask, &distances);
                 }
             }
             if height == 0 {
                 return;
             }
             height -= 1;
-            let (node, place, mask, _) = stack[height];
+            let (node, place, mask, _) = self.beam.pending[height];
             let (node, place) = (&self.tree.nodes[node as usize], place as usize % WIDTH);
             let mask = self.beam.meeting(l, node, place, mask);
             if mask != 0 {

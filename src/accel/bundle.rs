@@ -29,10 +29,21 @@ pub struct Bundle {
 }
 
 impl Bundle {
-    pub fn new<L: Lanes>(l: L, rays: &[Ray]) -> Self {
+    /// A bundle without rays.
+    pub const EMPTY: Self = Self {
+        center: Vector3::ZERO,
+        inverse: [[[1.0; WIDTH]; GROUPS]; 3],
+        origin_times_inverse: [[[0.0; WIDTH]; GROUPS]; 3],
+        reach: 0.0,
+        world_reach: 0.0,
+    };
+
+    /// Replaces all rays. Lanes beyond the last one keep what they had: no mask has them.
+    #[inline(always)]
+    fn set<L: Lanes>(&mut self, l: L, rays: &[Ray]) {
         let center = rays.first().map_or(Vector3::ZERO, |ray| ray.origin);
-        let mut origin = [[[0.0; WIDTH]; GROUPS]; 3];
-        let mut direction = [[[1.0; WIDTH]; GROUPS]; 3];
+        // Until the end, these hold directions and origins.
+        let Self { inverse: direction, origin_times_inverse: origin, .. } = self;
         let (mut reach, mut world_reach, mut sane) = (0.0f32, 0.0, true);
         for (number, ray) in rays.iter().enumerate().take(BEAM_RAYS) {
             let (group, lane) = (number / WIDTH, number % WIDTH);
@@ -53,31 +64,32 @@ impl Bundle {
                 direction[axis][group][lane] = if c.abs() >= smallest { c } else { smallest.copysign(c) };
             }
         }
-        let mut bundle = Self { center, inverse: direction, origin_times_inverse: origin, reach, world_reach };
-        if !sane {
-            bundle.reach = f32::NAN;
-        }
         for axis in 0..3 {
-            for group in 0..GROUPS {
-                let inverse = l.div(l.splat(1.0), l.load(&bundle.inverse[axis][group]));
-                l.store(inverse, &mut bundle.inverse[axis][group]);
-                let product = l.mul(l.load(&bundle.origin_times_inverse[axis][group]), inverse);
-                l.store(product, &mut bundle.origin_times_inverse[axis][group]);
+            for group in 0..rays.len().div_ceil(WIDTH).min(GROUPS) {
+                let inverse = l.div(l.splat(1.0), l.load(&direction[axis][group]));
+                l.store(inverse, &mut direction[axis][group]);
+                let product = l.mul(l.load(&origin[axis][group]), inverse);
+                l.store(product, &mut origin[axis][group]);
             }
         }
-        bundle
+        self.center = center;
+        self.reach = if sane { reach } else { f32::NAN };
+        self.world_reach = world_reach;
     }
 }
 
-/// Makes a bundle of rays.
-pub struct MakeBundle<'a>(pub &'a [Ray]);
+/// Fills a bundle with rays.
+pub struct FillBundle<'a> {
+    pub bundle: &'a mut Bundle,
+    pub rays: &'a [Ray],
+}
 
-impl Task for MakeBundle<'_> {
-    type Output = Bundle;
+impl Task for FillBundle<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Bundle {
-        Bundle::new(l, self.0)
+    fn run<L: Lanes>(self, l: L) {
+        self.bundle.set(l, self.rays);
     }
 }
 

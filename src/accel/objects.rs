@@ -2,8 +2,10 @@
 
 use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
 use super::build::{self, Item};
-use super::bundle::{MakeBundle, Meeting};
+use super::bundle::{Bundle, FillBundle, Meeting};
 use super::frame::{Entry, Frame};
+use super::kept::Kept;
+use super::questions::{Any, Closest, Questions, Search};
 use super::simd::{Lanes, Level};
 use super::tree::{Child, Tree};
 use super::walk::{Call, DONE, Walk};
@@ -79,9 +81,10 @@ impl Accelerator {
     /// The nearest hit with 0 < t < [`T_MAX`]; of several at the same t, the first object's.
     pub fn closest_hit(&self, objects: &[Object], meshes: &[Mesh], ray: &Ray) -> Option<Hit> {
         let ray = PreparedRay::new(*ray);
-        let mut search = Search { objects, meshes, closest: None };
+        let mut closest = None;
+        let mut search = Search { objects, meshes, closest: &mut closest };
         self.candidates(&ray, T_MAX, |index| search.ask(&ray, index));
-        search.closest
+        closest
     }
 
     /// Whether anything is hit at a t up to and including `t_max`.
@@ -124,10 +127,10 @@ impl Accelerator {
     pub fn closest_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         for rays in rays.chunks(BEAM_RAYS) {
-            let search = Search { objects, meshes, closest: None };
-            let mut closest = Closest { searches: [search; BEAM_RAYS] };
-            self.candidates_of_many(objects, rays, rays.len(), &mut closest);
-            hits.extend(closest.searches[..rays.len()].iter().map(|search| search.closest));
+            let first = hits.len();
+            hits.extend(std::iter::repeat_with(|| None).take(rays.len()));
+            let mut closest = Closest { objects, meshes, hits: &mut hits[first..] };
+            self.candidates_of_many(objects, rays, &mut closest);
         }
     }
 
@@ -147,41 +150,73 @@ impl Accelerator {
                 *t_max = limit.min(T_MAX.next_down());
             }
             let mut any = Any { objects, meshes, t_max, found: 0 };
-            self.candidates_of_many(objects, rays, rays.len(), &mut any);
+            self.candidates_of_many(objects, rays, &mut any);
             found.extend((0..rays.len()).map(|number| any.found >> number & 1 == 1));
         }
     }
 
-    fn candidates_of_many(&self, objects: &[Object], rays: &[Ray], count: usize, questions: &mut impl Questions) {
-        let mut open = u64::MAX >> (BEAM_RAYS - count);
-        let bundle = self.level.run(MakeBundle(rays));
-        let mut prepared = Prepared { rays, done: 0, prepared: [PreparedRay::NONE; BEAM_RAYS] };
+    fn candidates_of_many(&self, objects: &[Object], rays: &[Ray], questions: &mut impl Questions) {
+        let mut scratch = SCRATCH.take().unwrap_or_default();
+        let Scratch { bundle, prepared, beam } = &mut *scratch;
+        self.level.run(FillBundle { bundle, rays });
+        let mut prepared = Prepared { rays, done: 0, prepared };
+        let open = u64::MAX >> (BEAM_RAYS - rays.len());
+        let open = self.ask_loose(objects, bundle, &mut prepared, open, questions);
+        if let Some(treed) = &self.treed {
+            treed.ask_many(self.level, bundle, &mut prepared, beam, open, questions);
+        }
+        SCRATCH.set(Some(scratch));
+    }
+
+    /// Asks the objects outside the tree about the rays of a mask, and returns those that still want to know.
+    fn ask_loose(
+        &self,
+        objects: &[Object],
+        bundle: &Bundle,
+        prepared: &mut Prepared,
+        mut open: u64,
+        questions: &mut impl Questions,
+    ) -> u64 {
         for &index in &self.loose {
             let mut mask = open;
             let object = &objects[index as usize];
             if let Some(bounds) = &object.bounds {
-                mask = self.level.run(Meeting { bundle: &bundle, bounds, spread: object.spread, mask });
+                mask = self.level.run(Meeting { bundle, bounds, spread: object.spread, mask });
             }
             if mask == 0 {
                 continue;
             }
-            let object = &objects[index as usize];
             match &object.shape {
                 Shape::Plane(plane) if object.bounds.is_none() => {
-                    object.plane_hits(plane, rays, mask, |number, t| questions.take(index, number, t));
+                    object.plane_hits(plane, prepared.rays, mask, |number, t| questions.take(index, number, t));
                 }
-                _ => questions.ask(index, prepared.rays(mask), mask),
+                _ => questions.ask(index, prepared.prepare(mask), mask),
             }
             open = questions.open(open);
         }
-        let Some(treed) = &self.treed else { return };
-        let (bounds, spread) = (treed.frame.bounds(), treed.frame.spread());
-        let mask = self.level.run(Meeting { bundle: &bundle, bounds, spread, mask: open });
-        let (mut beam, mut met, mut unknown) = (Beam::EMPTY, 0, 0);
-        let rays = prepared.rays(mask);
+        open
+    }
+}
+
+impl ObjectTree {
+    /// Asks the objects about the rays of a mask.
+    fn ask_many(
+        &self,
+        level: Level,
+        bundle: &Bundle,
+        prepared: &mut Prepared,
+        beam: &mut Beam,
+        mask: u64,
+        questions: &mut impl Questions,
+    ) {
+        let (bounds, spread) = (self.frame.bounds(), self.frame.spread());
+        let mask = level.run(Meeting { bundle, bounds, spread, mask });
+        let (mut met, mut unknown) = (0, 0);
+        beam.clear();
+        let rays = prepared.prepare(mask);
         for number in numbers_in(mask) {
             let t_max = questions.t_max(number);
-            match treed.frame.enter(&rays[number], t_max) {
+            match self.frame.enter(&rays[number], t_max) {
                 Entry::Missed => {}
                 Entry::Unknown => unknown |= 1 << number,
                 Entry::Met(ray) => {
@@ -190,11 +225,11 @@ impl Accelerator {
                 }
             }
         }
-        let leaves = ObjectLeaves { objects: &treed.objects, rays, questions };
+        let leaves = ObjectLeaves { objects: &self.objects, rays, questions };
         if met != 0 {
-            self.level.run(BeamWalk { tree: &treed.tree, beam: &mut beam, mask: met, leaves });
+            level.run(BeamWalk { tree: &self.tree, beam, mask: met, leaves });
         }
-        for &index in &treed.objects {
+        for &index in &self.objects {
             let unknown = questions.open(unknown);
             if unknown == 0 {
                 break;
@@ -204,34 +239,39 @@ impl Accelerator {
     }
 }
 
+/// What a run of rays needs room for.
+struct Scratch {
+    bundle: Bundle,
+    prepared: [PreparedRay; BEAM_RAYS],
+    beam: Beam,
+}
+
+thread_local! {
+    static SCRATCH: Kept<Scratch> = const { Kept::new(None) };
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { bundle: Bundle::EMPTY, prepared: [PreparedRay::NONE; BEAM_RAYS], beam: Beam::EMPTY }
+    }
+}
+
 /// Rays that are prepared when they are first needed.
 struct Prepared<'a> {
     rays: &'a [Ray],
     done: u64,
-    prepared: [PreparedRay; BEAM_RAYS],
+    prepared: &'a mut [PreparedRay; BEAM_RAYS],
 }
 
 impl Prepared<'_> {
     /// All rays, of which at least those of a mask are prepared.
-    fn rays(&mut self, mask: u64) -> &[PreparedRay; BEAM_RAYS] {
+    fn prepare(&mut self, mask: u64) -> &[PreparedRay; BEAM_RAYS] {
         for number in numbers_in(mask & !self.done) {
             self.prepared[number] = PreparedRay::new(self.rays[number]);
         }
         self.done |= mask;
-        &self.prepared
+        self.prepared
     }
-}
-
-/// What many rays want to know.
-trait Questions {
-    /// The rays of a mask that still want to know.
-    fn open(&self, mask: u64) -> u64;
-    /// How far a ray still looks; minus infinity if no further.
-    fn t_max(&self, number: usize) -> Real;
-    /// Asks an object about the rays of a mask.
-    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64);
-    /// Hears that a ray hits an object at t.
-    fn take(&mut self, index: u32, number: usize, t: Real);
 }
 
 struct ObjectLeaves<'a, Q> {
@@ -249,119 +289,5 @@ impl<Q: Questions> Leaves for ObjectLeaves<'_, Q> {
                 beam.set_t_max(number, self.questions.t_max(number));
             }
         }
-    }
-}
-
-/// So many rays in one mesh are worth a beam.
-const BEAM_WORTH: u32 = 4;
-
-/// The nearest hits of many rays.
-struct Closest<'a> {
-    searches: [Search<'a>; BEAM_RAYS],
-}
-
-impl Questions for Closest<'_> {
-    fn open(&self, mask: u64) -> u64 {
-        mask
-    }
-
-    fn t_max(&self, number: usize) -> Real {
-        self.searches[number].t_max()
-    }
-
-    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64) {
-        let Search { objects, meshes, .. } = self.searches[0];
-        let object = &objects[index as usize];
-        match object.shape {
-            Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
-                let mut limits = [0.0; BEAM_RAYS];
-                for number in numbers_in(mask) {
-                    limits[number] = self.searches[number].limit_for(index);
-                }
-                let searches = &mut self.searches;
-                object.closest_mesh_hits(&meshes[mesh as usize], rays, mask, &limits, |number, at| {
-                    searches[number].closest = Some(Hit { object: index, at });
-                });
-            }
-            _ => {
-                for number in numbers_in(mask) {
-                    self.searches[number].ask(&rays[number], index);
-                }
-            }
-        }
-    }
-
-    fn take(&mut self, index: u32, number: usize, t: Real) {
-        let search = &mut self.searches[number];
-        if t < search.limit_for(index) {
-            search.closest = Some(Hit { object: index, at: ObjectHit::at(t) });
-        }
-    }
-}
-
-/// Whether anything is in the way of many rays.
-struct Any<'a> {
-    objects: &'a [Object],
-    meshes: &'a [Mesh],
-    t_max: [Real; BEAM_RAYS],
-    /// Rays that something is in the way of.
-    found: u64,
-}
-
-impl Questions for Any<'_> {
-    fn open(&self, mask: u64) -> u64 {
-        mask & !self.found
-    }
-
-    fn t_max(&self, number: usize) -> Real {
-        if self.found >> number & 1 == 1 { Real::NEG_INFINITY } else { self.t_max[number] }
-    }
-
-    fn ask(&mut self, index: u32, rays: &[PreparedRay; BEAM_RAYS], mask: u64) {
-        let object = &self.objects[index as usize];
-        match object.shape {
-            Shape::Mesh(mesh) if mask.count_ones() >= BEAM_WORTH => {
-                self.found |= object.any_mesh_hits(&self.meshes[mesh as usize], rays, mask, &self.t_max);
-            }
-            _ => {
-                for number in numbers_in(mask) {
-                    if object.any_hit(self.meshes, &rays[number], self.t_max[number]) {
-                        self.found |= 1 << number;
-                    }
-                }
-            }
-        }
-    }
-
-    fn take(&mut self, _: u32, number: usize, t: Real) {
-        self.found |= u64::from(t <= self.t_max[number]) << number;
-    }
-}
-
-/// The nearest hit so far.
-#[derive(Clone, Copy)]
-struct Search<'a> {
-    objects: &'a [Object],
-    meshes: &'a [Mesh],
-    closest: Option<Hit>,
-}
-
-impl Search<'_> {
-    fn t_max(&self) -> Real {
-        self.closest.map_or(T_MAX, |closest| closest.at.t)
-    }
-
-    /// Hits of an object count below this t. Of equals the first object wins, whatever the order of asking.
-    fn limit_for(&self, index: u32) -> Real {
-        let comes_first = self.closest.is_some_and(|closest| index < closest.object);
-        if comes_first { self.t_max().next_up() } else { self.t_max() }
-    }
-
-    /// Asks one object and returns the new limit.
-    fn ask(&mut self, ray: &PreparedRay, index: u32) -> Real {
-        if let Some(at) = self.objects[index as usize].closest_hit(self.meshes, ray, self.limit_for(index)) {
-            self.closest = Some(Hit { object: index, at });
-        }
-        self.t_max()
     }
 }

@@ -3,6 +3,7 @@
 use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
 use super::build::{self, Item};
 use super::frame::{CullRay, Entry, Frame, Planes};
+use super::kept::Kept;
 use super::simd::{Lanes, Level, WIDTH};
 use super::tree::{Child, Tree};
 use super::triangles::Block;
@@ -10,6 +11,10 @@ use super::walk::{DONE, Visit, Walk};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
 use vecmath::{Real, Vector3};
+
+thread_local! {
+    static BEAM: Kept<Beam> = const { Kept::new(None) };
+}
 
 /// The triangles of a mesh, sorted for finding hits. Whoever asks gets candidates and decides: see
 /// [`candidates`](Self::candidates).
@@ -79,7 +84,9 @@ impl TriangleTree {
     ) {
         let mut unknown = mask;
         if let Some(culled) = &self.culled {
-            let (mut beam, mut met) = (Beam::EMPTY, 0);
+            let mut beam = BEAM.take().unwrap_or_else(|| Box::new(Beam::EMPTY));
+            beam.clear();
+            let mut met = 0;
             unknown = 0;
             for number in numbers_in(mask) {
                 let entry = match near {
@@ -99,6 +106,7 @@ impl TriangleTree {
             if met != 0 {
                 self.level.run(BeamWalk { tree: &culled.tree, beam: &mut beam, mask: met, leaves });
             }
+            BEAM.set(Some(beam));
         }
         for number in numbers_in(unknown) {
             let _ = (0..self.count).any(|triangle| decide(number, triangle) == Real::NEG_INFINITY);

@@ -22,6 +22,7 @@ pub use surface::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, triangle_hit};
 
 use crate::accel::beam::{BEAM_RAYS, numbers_in};
+use crate::accel::kept::Kept;
 use crate::render::robust::ROUNDING;
 use surface::triangle_point;
 use triangle::face_normal;
@@ -29,6 +30,10 @@ use vecmath::{Real, Vector3};
 
 /// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
 pub const T_MAX: Real = f32::MAX as Real;
+
+thread_local! {
+    static OBJECT_RAYS: Kept<[PreparedRay; BEAM_RAYS]> = const { Kept::new(None) };
+}
 
 /// The geometry of an [`Object`].
 #[derive(Clone, Debug)]
@@ -199,11 +204,12 @@ impl Object {
         let Some(placement) = &self.placement else {
             return f(world, Some(near));
         };
-        let mut rays = [PreparedRay::NONE; BEAM_RAYS];
+        let mut rays = OBJECT_RAYS.take().unwrap_or_else(|| Box::new([PreparedRay::NONE; BEAM_RAYS]));
         for number in numbers_in(mask) {
             rays[number] = PreparedRay::new(placement.ray_to_object(&world[number].ray));
         }
-        f(&rays, None);
+        f(&*rays, None);
+        OBJECT_RAYS.set(Some(rays));
     }
 
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
