@@ -16,25 +16,21 @@ impl Ray {
     }
 }
 
-/// A ray with the numbers that boxes and triangles ask it for.
+/// A ray with the numbers that boxes ask it for. Most rays meet boxes and no triangle: see [`ShearedRay`].
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     pub ray: Ray,
     /// 1 / direction, infinite where the direction is zero.
     pub inverse_direction: Vector3,
-    pub sheared: ShearedRay,
 }
 
 impl PreparedRay {
     /// Stands where no ray is.
-    pub const NONE: Self = Self {
-        ray: Ray { origin: Vector3::ZERO, direction: Vector3::ZERO },
-        inverse_direction: Vector3::ZERO,
-        sheared: ShearedRay { x: 0, y: 0, z: 0, shear: Vector3::ZERO },
-    };
+    pub const NONE: Self =
+        Self { ray: Ray { origin: Vector3::ZERO, direction: Vector3::ZERO }, inverse_direction: Vector3::ZERO };
 
     pub fn new(ray: Ray) -> Self {
-        Self { ray, inverse_direction: ray.direction.map(|d| 1.0 / d), sheared: ShearedRay::new(&ray) }
+        Self { ray, inverse_direction: ray.direction.map(|d| 1.0 / d) }
     }
 }
 
@@ -50,8 +46,9 @@ pub struct ShearedRay {
 }
 
 impl ShearedRay {
-    fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
+    #[inline]
+    pub fn new(ray: &PreparedRay) -> Self {
+        let d = ray.ray.direction;
         let z = if d.x.abs() >= d.y.abs() && d.x.abs() >= d.z.abs() {
             0
         } else if d.y.abs() >= d.z.abs() {
@@ -61,10 +58,11 @@ impl ShearedRay {
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         // The paper swaps x and y for a negative direction to keep the winding; both sides count here.
-        Self { x, y, z, shear: Vector3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
+        Self { x, y, z, shear: Vector3::new(d[x] / d[z], d[y] / d[z], ray.inverse_direction[z]) }
     }
 
     /// `offset` (a point less the ray's origin) in the space in which the ray is the z axis; z is then t.
+    #[inline]
     pub fn apply(&self, offset: Vector3) -> Vector3 {
         let z = offset[self.z];
         Vector3::new(offset[self.x] - self.shear.x * z, offset[self.y] - self.shear.y * z, self.shear.z * z)

@@ -1,6 +1,6 @@
 //! [`Triangle`], and the one test that decides whether a ray hits a triangle: of a scene or of a mesh.
 
-use super::{Aabb, PreparedRay};
+use super::{Aabb, PreparedRay, ShearedRay};
 use crate::render::robust::ROUNDING;
 use vecmath::{Real, Vector3};
 
@@ -23,7 +23,8 @@ pub struct TriangleHit {
 /// functions are nothing but rounding: the ray may lie in its plane and pass beside it, and the division has no
 /// digits. What the box says would otherwise depend on whether a search asks for the box.
 pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<TriangleHit> {
-    let [a, b, c] = corners.map(|corner| ray.sheared.apply(corner - ray.ray.origin));
+    let sheared = ShearedRay::new(ray);
+    let [a, b, c] = corners.map(|corner| sheared.apply(corner - ray.ray.origin));
     let u = c.x * b.y - c.y * b.x;
     let v = a.x * c.y - a.y * c.x;
     let w = b.x * a.y - b.y * a.x;
