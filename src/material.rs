@@ -41,11 +41,16 @@ pub fn mirrored(direction: Vector3, normal: Vector3) -> Vector3 {
 /// function, and within `exponent` rounding units of it.
 fn power(base: Real, exponent: Real) -> Real {
     const LARGEST_MULTIPLIED_OUT: Real = 1024.0;
-    if !(0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) || exponent.fract() != 0.0 {
+    let mut bits = exponent as u32;
+    if !(0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) || Real::from(bits as f32) != exponent {
         // libm gives the same bits on every machine.
         return libm::pow(base as f64, exponent as f64) as Real;
     }
-    let (mut result, mut square, mut bits) = (1.0, base, exponent as u32);
+    // Of half of all surfaces the highlight lies behind the light.
+    if base == 0.0 && bits > 0 {
+        return 0.0;
+    }
+    let (mut result, mut square) = (1.0, base);
     while bits > 0 {
         if bits & 1 == 1 {
             result *= square;

@@ -4,7 +4,7 @@
 //! origin, the position of a plane is off by 2 e m for its rounding and the origin's, 2 e m for the two products and
 //! 4 e m for the inverse and the rounding of the direction: [`MARGIN`] is four times that.
 
-use super::beam::{BEAM_RAYS, GROUPS};
+use super::beam::GROUPS;
 use super::simd::{Eight, Lanes, Task, WIDTH};
 use crate::objects::{Aabb, Ray};
 use vecmath::{Real, Vector3};
@@ -38,42 +38,55 @@ impl Bundle {
         world_reach: 0.0,
     };
 
-    /// Replaces all rays. Lanes beyond the last one keep what they had: no mask has them.
+    /// Replaces all rays. Groups beyond the last one keep what they had: no mask has them.
     #[inline(always)]
     fn set<L: Lanes>(&mut self, l: L, rays: &[Ray]) {
         let center = rays.first().map_or(Vector3::ZERO, |ray| ray.origin);
-        // Until the end, these hold directions and origins.
-        let Self { inverse: direction, origin_times_inverse: origin, .. } = self;
-        let (mut reach, mut world_reach, mut sane) = (0.0f32, 0.0, true);
-        for (number, ray) in rays.iter().enumerate().take(BEAM_RAYS) {
-            let (group, lane) = (number / WIDTH, number % WIDTH);
-            let from_center = (ray.origin - center).to_array().map(|c| c as f32);
-            let along = ray.direction.to_array().map(|c| c as f32);
-            let largest = along[0].abs().max(along[1].abs()).max(along[2].abs());
-            let farthest = from_center[0].abs().max(from_center[1].abs()).max(from_center[2].abs());
-            reach = reach.max(farthest);
-            world_reach = ray.origin.max_abs().max(world_reach);
-            sane &= (1.0 / LARGEST_DIRECTION..LARGEST_DIRECTION).contains(&largest);
+        // At first, these hold directions and origins.
+        let Self { inverse, origin_times_inverse, .. } = self;
+        let mut world_reach = 0.0;
+        for (group, rays) in rays.chunks(WIDTH).take(GROUPS).enumerate() {
+            if rays.len() < WIDTH {
+                for axis in 0..3 {
+                    (inverse[axis][group], origin_times_inverse[axis][group]) = ([1.0; WIDTH], [0.0; WIDTH]);
+                }
+            }
+            for (lane, ray) in rays.iter().enumerate() {
+                world_reach = ray.origin.max_abs().max(world_reach);
+                let (from_center, along) = ((ray.origin - center).to_array(), ray.direction.to_array());
+                for axis in 0..3 {
+                    inverse[axis][group][lane] = along[axis] as f32;
+                    origin_times_inverse[axis][group][lane] = from_center[axis] as f32;
+                }
+            }
+        }
+        let (mut reach, mut sane) = (l.splat(0.0), u32::MAX);
+        for group in 0..rays.len().div_ceil(WIDTH).min(GROUPS) {
+            let along = [l.load(&inverse[0][group]), l.load(&inverse[1][group]), l.load(&inverse[2][group])];
+            let [x, y, z] = origin_times_inverse;
+            let from_center = [l.load(&x[group]), l.load(&y[group]), l.load(&z[group])];
+            let largest = l.max(l.max(l.abs(along[0]), l.abs(along[1])), l.abs(along[2]));
+            let farthest = l.max(l.max(l.abs(from_center[0]), l.abs(from_center[1])), l.abs(from_center[2]));
+            reach = l.max(reach, farthest);
             // `max` passes over NaN, a sum does not.
-            sane &=
-                (from_center[0] + from_center[1] + from_center[2] + along[0] + along[1] + along[2]).is_finite();
-            let smallest = largest * SMALLEST_SHARE;
+            let sum = l.add(l.add(along[0], along[1]), along[2]);
+            let sum = l.add(l.add(l.add(from_center[0], from_center[1]), from_center[2]), sum);
+            let in_range =
+                l.and(l.le(l.splat(1.0 / LARGEST_DIRECTION), largest), l.le(largest, l.splat(LARGEST_DIRECTION)));
+            sane &= l.bits(l.and(in_range, l.le(l.abs(sum), l.splat(f32::MAX))));
+            let smallest = l.mul(largest, l.splat(SMALLEST_SHARE));
             for axis in 0..3 {
-                origin[axis][group][lane] = from_center[axis];
-                let c = along[axis];
-                direction[axis][group][lane] = if c.abs() >= smallest { c } else { smallest.copysign(c) };
+                let c = l.negated_by(l.max(l.abs(along[axis]), smallest), along[axis]);
+                let inverted = l.div(l.splat(1.0), c);
+                l.store(inverted, &mut inverse[axis][group]);
+                l.store(l.mul(from_center[axis], inverted), &mut origin_times_inverse[axis][group]);
             }
         }
-        for axis in 0..3 {
-            for group in 0..rays.len().div_ceil(WIDTH).min(GROUPS) {
-                let inverse = l.div(l.splat(1.0), l.load(&direction[axis][group]));
-                l.store(inverse, &mut direction[axis][group]);
-                let product = l.mul(l.load(&origin[axis][group]), inverse);
-                l.store(product, &mut origin[axis][group]);
-            }
-        }
+        let mut farthest = [0.0; WIDTH];
+        l.store(reach, &mut farthest);
+        let all_sane = sane & 0xff == 0xff;
         self.center = center;
-        self.reach = if sane { reach } else { f32::NAN };
+        self.reach = if all_sane { farthest.into_iter().fold(0.0, f32::max) } else { f32::NAN };
         self.world_reach = world_reach;
     }
 }

@@ -165,11 +165,13 @@ impl<'a> Sampler<'a> {
         let places: Vec<_> = tile.places().collect();
         let rays_a_pixel = (self.args.grid_pixels() * self.args.samples()) as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
-        places.chunks(pixels_at_once).flat_map(|places| self.pixels(places)).collect()
+        let mut pixels = Vec::with_capacity(places.len());
+        places.chunks(pixels_at_once).for_each(|places| self.pixels(places, &mut pixels));
+        pixels
     }
 
-    /// Some pixels of the picture.
-    fn pixels(&mut self, places: &[(u32, u32)]) -> Vec<Pixel> {
+    /// Adds some pixels of the picture to `pixels`.
+    fn pixels(&mut self, places: &[(u32, u32)], pixels: &mut Vec<Pixel>) {
         self.rays.clear();
         for &(x, row) in places {
             if self.args.filter {
@@ -184,10 +186,9 @@ impl<'a> Sampler<'a> {
         let start = self.args.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / places.len();
         let seen = std::mem::take(&mut self.seen);
-        let pixels = seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)).collect();
+        pixels.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
         self.seen = seen;
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
-        pixels
     }
 
     /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
