@@ -5,12 +5,8 @@
 # Exits with 1 whenever a picture changed, so that no script blesses by accident.
 set -euo pipefail
 
-project=$(cd "$(dirname "$0")/.." && pwd)
-if [ -z "${A2:-}" ]; then
-    cargo build --release --quiet --manifest-path "$project/Cargo.toml"
-    A2=${CARGO_TARGET_DIR:-$project/target}/release/a2
-fi
-export A2
+# shellcheck source=scripts/program.sh
+source "$(dirname "$0")/program.sh"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$project/scripts/render_all.sh" "$work"

@@ -7,18 +7,14 @@
 # Environment: A2 (the program; default: built here).
 set -euo pipefail
 
-project=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/program.sh
+source "$(dirname "$0")/program.sh"
 starter=${1:-}
 if [ -n "$starter" ]; then
     root=$starter tolerance="1 0.01" any=1.0 far=12
 else
     root=$project tolerance="0 0" any=0 far=0
 fi
-if [ -z "${A2:-}" ]; then
-    cargo build --release --quiet --manifest-path "$project/Cargo.toml"
-    A2=${CARGO_TARGET_DIR:-$project/target}/release/a2
-fi
-export A2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 DATA=$root/data "$project/scripts/render_all.sh" "$work" >"$work/log"

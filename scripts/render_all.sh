@@ -5,14 +5,11 @@
 # Environment: A2 (the program; default: built here), DATA (folder of the scenes; default: data), SIZE (default: 800).
 set -euo pipefail
 
-project=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/program.sh
+source "$(dirname "$0")/program.sh"
 output=${1:-out}
 data=${DATA:-$project/data}
 size=${SIZE:-800}
-if [ -z "${A2:-}" ]; then
-    cargo build --release --quiet --manifest-path "$project/Cargo.toml"
-    A2=${CARGO_TARGET_DIR:-$project/target}/release/a2
-fi
 mkdir -p "$output"
 
 # render NUMBER SCENE DEPTH_MIN DEPTH_MAX [FLAG...]
