@@ -5,12 +5,13 @@
 //! rays MESH.obj --build [--repeats N]
 //! ```
 //!
-//! The ray file is described in `benches/peers/README.md`. Rays are asked for 256 at a time, as the renderer does;
+//! The ray file is described in `benches/peers/README.md`. Rays are asked for 64 at a time, as the renderer does;
 //! with `--alone` one by one. What is timed is the whole answer, from rays to hits in `f64`.
 #![forbid(unsafe_code)]
 
+use a2::accel::Accelerator;
 use a2::accel::simd::Level;
-use a2::accel::{Accelerator, Hit};
+use a2::objects::run::{HitRun, Numbers, RUN, RayRun, first, numbers_in};
 use a2::objects::{Mesh, Object, Ray, Shape};
 use a2::scene::parse_mesh;
 use rayon::prelude::*;
@@ -18,8 +19,6 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 use vecmath::{Real, Vector3};
-
-const AT_ONCE: usize = 256;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -42,6 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     mesh.set_level(level);
     let rays = read_rays(&std::fs::read(value("--rays").ok_or("--rays FILE or --build is missing")?)?)?;
+    let count: u32 = rays.iter().map(|run| run.mask.count_ones()).sum();
     let scene = Scene::new(mesh, level);
     let alone = words.iter().any(|word| word == "--alone");
     let threads = number("--threads", 1)?;
@@ -49,13 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (name, query) in [("closest_hit", Query::Closest), ("any_hit", Query::Any)] {
             let mut hits = 0;
             let rates = timed(repeats, || hits = scene.ask(&rays, query, alone));
-            let rates = rates.map(|seconds| rays.len() as f64 / seconds / 1e6);
+            let rates = rates.map(|seconds| f64::from(count) / seconds / 1e6);
             println!(
                 "{name:<13} threads {threads}  Mrays/s {:7.2}  ({:.2} .. {:.2})  hits {hits} of {}",
-                rates[1],
-                rates[2],
-                rates[0],
-                rays.len()
+                rates[1], rates[2], rates[0], count
             );
         }
     });
@@ -66,6 +63,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 enum Query {
     Closest,
     Any,
+}
+
+/// Rays that are asked about together.
+struct Run {
+    rays: RayRun,
+    mask: u64,
+    t_max: Numbers,
 }
 
 /// The mesh alone.
@@ -82,34 +86,29 @@ impl Scene {
     }
 
     /// How many rays hit something.
-    fn ask(&self, rays: &[(Ray, Real)], query: Query, alone: bool) -> usize {
-        let chunks = rays.par_chunks(16 * AT_ONCE);
-        chunks.map(|rays| rays.chunks(AT_ONCE).map(|rays| self.ask_some(rays, query, alone)).sum::<usize>()).sum()
+    fn ask(&self, runs: &[Run], query: Query, alone: bool) -> usize {
+        runs.par_chunks(64).map(|runs| runs.iter().map(|run| self.ask_run(run, query, alone)).sum::<usize>()).sum()
     }
 
-    fn ask_some(&self, rays: &[(Ray, Real)], query: Query, alone: bool) -> usize {
+    fn ask_run(&self, run: &Run, query: Query, alone: bool) -> usize {
         let Self { objects, meshes, accelerator } = self;
-        let counts = |ray: &(Ray, Real), hit: &Option<Hit>| hit.is_some_and(|hit| hit.at.t <= ray.1);
+        let Run { rays, mask, t_max } = run;
+        let count = |is_hit: &dyn Fn(usize) -> bool| numbers_in(*mask).filter(|&number| is_hit(number)).count();
         match (query, alone) {
-            (Query::Closest, true) => {
-                let hit = |ray: &(Ray, Real)| accelerator.closest_hit(objects, meshes, &ray.0);
-                rays.iter().filter(|ray| counts(ray, &hit(ray))).count()
-            }
+            (Query::Closest, true) => count(&|number| {
+                let hit = accelerator.closest_hit(objects, meshes, &rays.get(number));
+                hit.is_some_and(|hit| hit.at.t <= t_max[number])
+            }),
             (Query::Closest, false) => {
-                let just_rays: Vec<Ray> = rays.iter().map(|ray| ray.0).collect();
-                let mut hits = Vec::new();
-                accelerator.closest_hits(objects, meshes, &just_rays, &mut hits);
-                rays.iter().zip(&hits).filter(|(ray, hit)| counts(ray, hit)).count()
+                let mut hits = HitRun::NONE;
+                accelerator.closest_hits(objects, meshes, rays, *mask, &mut hits);
+                let is_hit = |number: usize| hits.object[number] != HitRun::NOTHING;
+                numbers_in(*mask).filter(|&number| is_hit(number) && hits.at.t[number] <= t_max[number]).count()
             }
             (Query::Any, true) => {
-                rays.iter().filter(|(ray, t_max)| accelerator.any_hit(objects, meshes, ray, *t_max)).count()
+                count(&|number| accelerator.any_hit(objects, meshes, &rays.get(number), t_max[number]))
             }
-            (Query::Any, false) => {
-                let (just_rays, t_max): (Vec<Ray>, Vec<Real>) = rays.iter().copied().unzip();
-                let mut found = Vec::new();
-                accelerator.any_hits(objects, meshes, &just_rays, &t_max, &mut found);
-                found.into_iter().filter(|&found| found).count()
-            }
+            (Query::Any, false) => accelerator.any_hits(objects, meshes, rays, *mask, t_max).count_ones() as usize,
         }
     }
 }
@@ -140,7 +139,8 @@ fn time_building(mesh: &Mesh, repeats: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn read_rays(bytes: &[u8]) -> Result<Vec<(Ray, Real)>, Box<dyn Error>> {
+/// Rays as the renderer has them, coordinates apart.
+fn read_rays(bytes: &[u8]) -> Result<Vec<Run>, Box<dyn Error>> {
     let (head, rest) = bytes.split_at_checked(16).ok_or("the ray file is too short")?;
     let count = u64::from_le_bytes(head[8..].try_into()?) as usize;
     if &head[..8] != b"A2RAYS1\0" || rest.len() != 28 * count {
@@ -148,9 +148,14 @@ fn read_rays(bytes: &[u8]) -> Result<Vec<(Ray, Real)>, Box<dyn Error>> {
     }
     let (numbers, _) = rest.as_chunks::<4>();
     let numbers: Vec<Real> = numbers.iter().map(|&bytes| Real::from(f32::from_le_bytes(bytes))).collect();
-    let ray = |n: &[Real]| {
-        let (origin, direction) = (Vector3::new(n[0], n[1], n[2]), Vector3::new(n[3], n[4], n[5]));
-        (Ray { origin, direction }, n[6])
+    let run = |numbers: &[Real]| {
+        let mut run = Run { rays: RayRun::NONE, mask: first(numbers.len() / 7), t_max: [0.0; RUN] };
+        for (number, n) in numbers.chunks_exact(7).enumerate() {
+            let (origin, direction) = (Vector3::new(n[0], n[1], n[2]), Vector3::new(n[3], n[4], n[5]));
+            run.rays.set(number, Ray { origin, direction });
+            run.t_max[number] = n[6];
+        }
+        run
     };
-    Ok(numbers.chunks_exact(7).map(ray).collect())
+    Ok(numbers.chunks(7 * RUN).map(run).collect())
 }

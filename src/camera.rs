@@ -1,6 +1,8 @@
 //! [`Camera`]: from a place in the picture to a ray.
 
+use crate::accel::simd::{Lanes, Task};
 use crate::objects::Ray;
+use crate::objects::run::{Lanewise, Numbers, RUN, Rays, Runs, around};
 use vecmath::{Real, Vector3};
 
 /// A pinhole camera.
@@ -40,9 +42,39 @@ impl Camera {
     }
 
     /// The ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
-    pub fn ray(&self, ndc_x: Real, ndc_y: Real) -> Ray {
-        let direction = self.forward + self.horizontal * ndc_x + self.up * ndc_y;
-        Ray { origin: self.center, direction: direction.normalized() }
+    pub fn ray(&self, ndc: (Real, Real)) -> Ray {
+        Ray { origin: self.center, direction: self.direction(ndc).normalized() }
+    }
+
+    /// The direction of that ray, of any length.
+    #[inline(always)]
+    fn direction(&self, (ndc_x, ndc_y): (Real, Real)) -> Vector3 {
+        self.forward + self.horizontal * ndc_x + self.up * ndc_y
+    }
+}
+
+/// The rays through places of a grid.
+pub struct CameraRays<'a> {
+    pub camera: &'a Camera,
+    pub grid: PixelGrid,
+    pub places: &'a Places,
+    pub rays: &'a mut Rays,
+}
+
+impl Task for CameraRays<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { camera, grid, places, rays } = self;
+        for ((places, mask), rays) in places.runs().zip(rays.resize(places.len())) {
+            for number in around(mask) {
+                let ndc = grid.ndc((places.x[number], places.y[number]));
+                rays.origin.set(number, camera.center);
+                rays.direction.set(number, camera.direction(ndc));
+            }
+            rays.direction.normalize(mask);
+        }
     }
 }
 
@@ -63,16 +95,46 @@ pub struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// The place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels.
+    /// The place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels: in
+    /// pixels, from the bottom left one.
+    #[inline(always)]
+    pub fn place(&self, (x, row): (u32, u32), (offset_x, offset_y): (Real, Real)) -> (Real, Real) {
+        (x as Real + offset_x, (self.height - 1 - row) as Real + offset_y)
+    }
+
+    /// A place as the camera knows it.
     ///
     /// The outermost pixels lie on the picture's border. A grid one pixel wide has its pixel in the middle and no
     /// width to move by.
-    pub fn ndc(&self, x: u32, row: u32, offset_x: Real, offset_y: Real) -> (Real, Real) {
-        let place = |pixel: u32, count: u32, offset: Real| match count {
+    #[inline(always)]
+    pub fn ndc(&self, (x, y): (Real, Real)) -> (Real, Real) {
+        let ndc = |place: Real, count: u32| match count {
             1 => 0.0,
-            _ => 2.0 * (pixel as Real + offset) / (count - 1) as Real - 1.0,
+            _ => 2.0 * place / (count - 1) as Real - 1.0,
         };
-        (place(x, self.width, offset_x), place(self.height - 1 - row, self.height, offset_y))
+        (ndc(x, self.width), ndc(y, self.height))
+    }
+}
+
+/// Places in a grid.
+#[derive(Debug)]
+pub struct PlaceRun {
+    x: Numbers,
+    y: Numbers,
+}
+
+/// Any number of places in a grid.
+pub type Places = Runs<PlaceRun>;
+
+impl Lanewise for PlaceRun {
+    const NONE: Self = Self { x: [0.0; RUN], y: [0.0; RUN] };
+}
+
+impl Places {
+    #[inline]
+    pub fn push(&mut self, (x, y): (Real, Real)) {
+        let (run, number) = self.add();
+        (run.x[number], run.y[number]) = (x, y);
     }
 }
 
@@ -90,15 +152,15 @@ mod tests {
     #[test]
     fn the_angle_is_the_full_height() {
         let half = (0.5 as Real).sqrt();
-        let top = camera().ray(0.0, 1.0).direction;
+        let top = camera().ray((0.0, 1.0)).direction;
         assert!((top - Vector3::new(0.0, half, -half)).max_abs() < 4.0 * Real::EPSILON, "{top:?}");
-        assert_eq!(camera().ray(0.0, 0.0).direction, -Z);
+        assert_eq!(camera().ray((0.0, 0.0)).direction, -Z);
     }
 
     #[test]
     fn up_is_used_as_given() {
         let skewed = Camera::new(Vector3::ZERO, -Z, Vector3::new(0.0, 3.0, -1.0), std::f64::consts::FRAC_PI_2);
-        let direction = skewed.unwrap().ray(0.0, 1.0).direction;
+        let direction = skewed.unwrap().ray((0.0, 1.0)).direction;
         let expected = Vector3::new(0.0, 3.0, -2.0).normalized();
         assert!((direction - expected).max_abs() < 4.0 * Real::EPSILON);
     }
@@ -108,7 +170,7 @@ mod tests {
         for length in [Real::MIN_POSITIVE, 1e-31, 1e31, Real::MAX] {
             let up = Vector3::new(0.6, 0.8, 0.5) * length;
             let camera = Camera::new(Vector3::ZERO, -Z, up, std::f64::consts::FRAC_PI_2).unwrap();
-            let sideways = camera.ray(1.0, 0.0).direction - camera.ray(-1.0, 0.0).direction;
+            let sideways = camera.ray((1.0, 0.0)).direction - camera.ray((-1.0, 0.0)).direction;
             let expected = Vector3::new(0.8, -0.6, 0.0) * (2.0 as Real).sqrt();
             assert!((sideways - expected).max_abs() < 8.0 * Real::EPSILON, "{length}: {sideways:?}");
         }
@@ -128,9 +190,10 @@ mod tests {
     #[test]
     fn pixels_span_the_picture_and_a_lone_pixel_is_its_middle() {
         let grid = PixelGrid { width: 5, height: 3 };
-        assert_eq!(grid.ndc(0, 2, 0.0, 0.0), (-1.0, -1.0));
-        assert_eq!(grid.ndc(4, 0, 0.0, 0.0), (1.0, 1.0));
-        assert_eq!(grid.ndc(0, 2, 0.5, 1.0), (-0.75, 0.0));
-        assert_eq!(PixelGrid { width: 1, height: 1 }.ndc(0, 0, 0.3, 0.9), (0.0, 0.0));
+        let ndc = |grid: &PixelGrid, pixel, offset| grid.ndc(grid.place(pixel, offset));
+        assert_eq!(ndc(&grid, (0, 2), (0.0, 0.0)), (-1.0, -1.0));
+        assert_eq!(ndc(&grid, (4, 0), (0.0, 0.0)), (1.0, 1.0));
+        assert_eq!(ndc(&grid, (0, 2), (0.5, 1.0)), (-0.75, 0.0));
+        assert_eq!(ndc(&PixelGrid { width: 1, height: 1 }, (0, 0), (0.3, 0.9)), (0.0, 0.0));
     }
 }

@@ -1,6 +1,8 @@
 //! [`CubeMap`]: six pictures around the scene.
 
+use crate::accel::simd::{Lanes, Level, Task};
 use crate::error::Error;
+use crate::objects::run::{Numbers, RUN, Vectors, around, numbers_in};
 use image::{ImageDecoder, ImageReader};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -58,14 +60,24 @@ impl CubeMap {
 
     /// The colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
-        let (face, u, v) = place(direction);
+        let Place { face, u, v } = Place::of(direction.normalized());
         self.faces[face].color(u, v)
+    }
+
+    /// [`color`](Self::color) in the directions of a mask.
+    pub fn colors(&self, level: Level, directions: &Vectors, mask: u64, colors: &mut Vectors) {
+        let (mut faces, mut u, mut v) = ([0; RUN], [0.0; RUN], [0.0; RUN]);
+        let mut directions = *directions;
+        level.run(FindPlaces { directions: &mut directions, mask, faces: &mut faces, u: &mut u, v: &mut v });
+        for number in numbers_in(mask) {
+            colors.set(number, self.faces[faces[number] as usize].color(u[number], v[number]));
+        }
     }
 
     /// Decodes the faces that these directions reach, all at once.
     pub fn decode(&self, directions: &[Vector3]) {
         let mut is_reached = [false; 6];
-        directions.iter().for_each(|&direction| is_reached[place(direction).0] = true);
+        directions.iter().for_each(|&direction| is_reached[Place::of(direction.normalized()).face] = true);
         self.faces.par_iter().zip(is_reached).with_max_len(1).filter(|reached| reached.1).for_each(|(face, _)| {
             face.texels.get_or_init(|| face.decode());
         });
@@ -90,21 +102,71 @@ impl CubeMap {
     }
 }
 
-/// The face in a direction, and where on it: u and v from 0 to 1.
-fn place(direction: Vector3) -> (usize, Real, Real) {
-    let d = direction.normalized();
-    let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
-    let unit = |ratio: Real| (ratio + 1.0) / 2.0;
-    // Which way a face's picture is turned, or mirrored, is the starter's choice.
-    if x >= y && x >= z {
-        let (u, v) = (unit(d.z / d.x), unit(d.y / d.x));
-        if d.x > 0.0 { (0, u, v) } else { (1, u, 1.0 - v) }
-    } else if y >= z {
-        let (u, v) = (unit(d.x / d.y), unit(d.z / d.y));
-        if d.y > 0.0 { (2, u, v) } else { (3, 1.0 - u, 1.0 - v) }
-    } else {
-        let (u, v) = (unit(d.x / d.z), unit(d.y / d.z));
-        if d.z > 0.0 { (4, 1.0 - u, v) } else { (5, u, 1.0 - v) }
+/// Where a ray that leaves the scene reaches the cube.
+#[derive(Clone, Copy)]
+struct Place {
+    face: usize,
+    /// From 0 to 1, v from the bottom.
+    u: Real,
+    v: Real,
+}
+
+impl Place {
+    /// Which way a face's picture is turned, or mirrored, is the starter's choice.
+    ///
+    /// Of a unit vector. Without branches, so that several places are found at once.
+    #[inline(always)]
+    fn of(d: Vector3) -> Self {
+        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let x_wins = (x >= y) & (x >= z);
+        let y_wins = !x_wins & (y >= z);
+        let largest = if x_wins {
+            d.x
+        } else if y_wins {
+            d.y
+        } else {
+            d.z
+        };
+        let across = if x_wins { d.z } else { d.x };
+        let upward = if y_wins { d.z } else { d.y };
+        let (u, v) = ((across / largest + 1.0) / 2.0, (upward / largest + 1.0) / 2.0);
+        let is_positive = largest > 0.0;
+        let axis = if x_wins {
+            0
+        } else if y_wins {
+            2
+        } else {
+            4
+        };
+        let is_turned = if is_positive { !x_wins & !y_wins } else { y_wins };
+        Self {
+            face: axis + usize::from(!is_positive),
+            u: if is_turned { 1.0 - u } else { u },
+            v: if is_positive { v } else { 1.0 - v },
+        }
+    }
+}
+
+/// Finds the places in the directions of a mask.
+struct FindPlaces<'a> {
+    directions: &'a mut Vectors,
+    mask: u64,
+    faces: &'a mut [u64; RUN],
+    u: &'a mut Numbers,
+    v: &'a mut Numbers,
+}
+
+impl Task for FindPlaces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        self.directions.normalize(self.mask);
+        for number in around(self.mask) {
+            let place = Place::of(self.directions.get(number));
+            self.faces[number] = place.face as u64;
+            (self.u[number], self.v[number]) = (place.u, place.v);
+        }
     }
 }
 

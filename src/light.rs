@@ -32,23 +32,28 @@ impl Light {
     /// distance, and is infinite where that is zero.
     pub fn illuminate(&self, point: Vector3) -> Illumination {
         match *self {
-            Self::Directional { to_light, color } => {
-                Illumination { to_light, distance: Real::INFINITY, intensity: color }
-            }
-            Self::Point { position, color, falloff } => {
-                let offset = position - point;
-                let distance = offset.length();
-                if distance == 0.0 {
-                    // A light is not lit by itself: from its own place it has no direction.
-                    return Illumination { to_light: Vector3::ZERO, distance, intensity: Vector3::ZERO };
-                }
-                Illumination {
-                    to_light: offset / distance,
-                    distance,
-                    intensity: color / (falloff * distance * distance),
-                }
-            }
+            Self::Directional { to_light, color } => from_direction(to_light, color),
+            Self::Point { position, color, falloff } => from_point(position, color, falloff, point),
         }
+    }
+}
+
+#[inline(always)]
+pub fn from_direction(to_light: Vector3, color: Vector3) -> Illumination {
+    Illumination { to_light, distance: Real::INFINITY, intensity: color }
+}
+
+#[inline(always)]
+pub fn from_point(position: Vector3, color: Vector3, falloff: Real, point: Vector3) -> Illumination {
+    let offset = position - point;
+    let distance = offset.length();
+    // A light is not lit by itself: from its own place it has no direction.
+    let is_elsewhere = distance != 0.0;
+    let (to_light, intensity) = (offset / distance, color / (falloff * distance * distance));
+    Illumination {
+        to_light: if is_elsewhere { to_light } else { Vector3::ZERO },
+        distance,
+        intensity: if is_elsewhere { intensity } else { Vector3::ZERO },
     }
 }
 

@@ -1,6 +1,7 @@
 //! [`Material`]: the Phong reflection model.
 
 use crate::light::Illumination;
+use crate::objects::run::{Numbers, RUN, around, numbers_in};
 use vecmath::{Real, Vector3};
 
 /// How a surface answers light.
@@ -17,17 +18,28 @@ const MIRROR_LENGTH: Real = 0.1;
 impl Material {
     /// Whether the surface reflects its surroundings, and not only lights.
     pub fn is_mirror(&self) -> bool {
-        self.specular.length() > MIRROR_LENGTH
+        is_mirror(self.specular)
     }
 
     /// max(0, N.L) I diffuse + max(0, R.L)^shininess I specular, with N the normal and R the mirrored ray.
     ///
     /// The highlight does not ask whether the light is in front of the surface, and 0^0 is 1: the starter's model.
     pub fn phong(&self, light: &Illumination, normal: Vector3, mirrored: Vector3) -> Vector3 {
-        let diffuse = normal.dot(light.to_light).max(0.0);
         let highlight = power(mirrored.dot(light.to_light).max(0.0), self.shininess);
-        light.intensity.scaled_by(self.diffuse) * diffuse + light.intensity.scaled_by(self.specular) * highlight
+        self.reflect(light.intensity, normal.dot(light.to_light), highlight)
     }
+
+    /// max(0, N.L) I diffuse + highlight I specular, with N.L the `cosine`.
+    #[inline(always)]
+    pub fn reflect(&self, intensity: Vector3, cosine: Real, highlight: Real) -> Vector3 {
+        intensity.scaled_by(self.diffuse) * cosine.max(0.0) + intensity.scaled_by(self.specular) * highlight
+    }
+}
+
+/// [`Material::is_mirror`] of a specular colour.
+#[inline]
+pub fn is_mirror(specular: Vector3) -> bool {
+    specular.length() > MIRROR_LENGTH
 }
 
 /// The direction of a ray after a mirror: R = D - 2 (D.N) N. As long as D only if N is a unit vector.
@@ -35,21 +47,25 @@ pub fn mirrored(direction: Vector3, normal: Vector3) -> Vector3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
+/// Powers up to this are multiplied out.
+const LARGEST_MULTIPLIED_OUT: Real = 1024.0;
+
+/// The exponent, if it is a whole number to be multiplied out.
+fn whole(exponent: Real) -> Option<u32> {
+    let bits = exponent as u32;
+    let is_whole = (0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) && Real::from(bits as f32) == exponent;
+    is_whole.then_some(bits)
+}
+
 /// `base`^`exponent` for base >= 0; 0^0 = 1.
 ///
 /// Whole exponents, which is what scenes use, are multiplied out by squaring: several times faster than the general
 /// function, and within `exponent` rounding units of it.
 fn power(base: Real, exponent: Real) -> Real {
-    const LARGEST_MULTIPLIED_OUT: Real = 1024.0;
-    let mut bits = exponent as u32;
-    if !(0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) || Real::from(bits as f32) != exponent {
+    let Some(mut bits) = whole(exponent) else {
         // libm gives the same bits on every machine.
         return libm::pow(base as f64, exponent as f64) as Real;
-    }
-    // Of half of all surfaces the highlight lies behind the light.
-    if base == 0.0 && bits > 0 {
-        return 0.0;
-    }
+    };
     let (mut result, mut square) = (1.0, base);
     while bits > 0 {
         if bits & 1 == 1 {
@@ -59,6 +75,38 @@ fn power(base: Real, exponent: Real) -> Real {
         bits >>= 1;
     }
     result
+}
+
+/// Replaces the bases of a mask by their [`power`]s, each with its exponent.
+#[inline(always)]
+pub fn powers(bases: &mut Numbers, exponents: &Numbers, mask: u64) {
+    let exponent = exponents[mask.trailing_zeros() as usize % RUN];
+    let mut is_common = true;
+    for number in numbers_in(mask) {
+        is_common &= exponents[number] == exponent;
+    }
+    let (Some(mut bits), true) = (whole(exponent), is_common) else {
+        for number in numbers_in(mask) {
+            bases[number] = power(bases[number], exponents[number]);
+        }
+        return;
+    };
+    // The loops of `power`, turned inside out.
+    let mut squares = *bases;
+    *bases = [1.0; RUN];
+    while bits > 0 {
+        if bits & 1 == 1 {
+            for number in around(mask) {
+                bases[number] *= squares[number];
+            }
+        }
+        bits >>= 1;
+        if bits > 0 {
+            for number in around(mask) {
+                squares[number] *= squares[number];
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -3,9 +3,10 @@
 
 use a2::accel::simd::Level;
 use a2::accel::{Accelerator, Hit};
+use a2::objects::run::{HitRun, Prepare, PreparedRun, RUN, RayRun, Vectors, first, numbers_in};
 use a2::objects::{
-    Mesh, MeshHit, MeshSearch, Object, Placement, Plane, PreparedRay, Ray, Shape, Sphere, T_MAX, Triangle,
-    triangle_hit,
+    Mesh, MeshHit, NO_TRIANGLE, Object, Placement, Plane, PreparedRay, Ray, Shape, Sphere, T_MAX, Triangle,
+    TriangleHit, TriangleHits, triangle_hit,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -108,14 +109,26 @@ fn mesh_agrees(mesh: &mut Mesh, rays: &[Ray]) -> Result<(), TestCaseError> {
                 prop_assert_eq!(mesh.any_hit(ray, limit), any_by_loop(mesh, ray, limit), "{} {}", level, limit);
             }
         }
-        for (rays, expected) in rays.chunks(64).zip(expected.chunks(64)) {
-            let mask = u64::MAX >> (64 - rays.len()) & 0xffff_ffff_ffff_fff7;
-            let mut searches = [MeshSearch { t_max: T_MAX, closest: None }; 64];
-            mesh.closest_hits(rays, mask, None, &[T_MAX; 64], &mut searches);
-            let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(5.0, |hit| hit.hit.t)).collect();
-            let found = mesh.any_hits(rays, mask, None, &limits);
-            for (number, ray) in rays.iter().enumerate().filter(|(number, _)| mask >> number & 1 == 1) {
-                prop_assert_eq!(bits(&searches[number].closest), bits(&expected[number]), "{} {:?}", level, ray);
+        let mut triangle_hits = TriangleHits::NONE;
+        for (rays, expected) in rays.chunks(RUN).zip(expected.chunks(RUN)) {
+            let mask = first(rays.len()) & 0xffff_ffff_ffff_fff7;
+            let mut run = RayRun::NONE;
+            rays.iter().enumerate().for_each(|(number, ray)| run.set(number, ray.ray));
+            let mut inverse_direction = Vectors::ZERO;
+            level.run(Prepare { rays: &run, mask, inverse_direction: &mut inverse_direction });
+            let prepared = PreparedRun { rays: &run, inverse_direction: &inverse_direction };
+            let mut hits = HitRun::NONE.at;
+            hits.t = [T_MAX; RUN];
+            mesh.closest_hits(prepared, mask, &mut triangle_hits, &mut hits);
+            let mut limits = [5.0; RUN];
+            expected.iter().zip(&mut limits).for_each(|(hit, limit)| *limit = hit.map_or(5.0, |hit| hit.hit.t));
+            let found = mesh.any_hits(prepared, mask, &mut triangle_hits, &limits);
+            for number in numbers_in(mask) {
+                let ray = &rays[number];
+                let at = hits.get(number);
+                let hit = TriangleHit { t: at.t, barycentric: at.barycentric };
+                let closest = (at.triangle != NO_TRIANGLE).then_some(MeshHit { triangle: at.triangle, hit });
+                prop_assert_eq!(bits(&closest), bits(&expected[number]), "{} {:?}", level, ray);
                 prop_assert_eq!(found >> number & 1 == 1, any_by_loop(mesh, ray, limits[number]), "{}", level);
             }
         }
@@ -262,8 +275,16 @@ fn a_scene_answers_as_the_loop_does() {
             meshes.iter_mut().for_each(|mesh| mesh.set_level(level));
             let accelerator = Accelerator::with_level(&objects, level);
             let (mut hits, mut found) = (Vec::new(), Vec::new());
-            accelerator.closest_hits(&objects, &meshes, &rays, &mut hits);
-            accelerator.any_hits(&objects, &meshes, &rays, &limits, &mut found);
+            for (rays, limits) in rays.chunks(RUN).zip(limits.chunks(RUN)) {
+                let (mut run, mut t_max, mut nearest) = (RayRun::NONE, [0.0; RUN], HitRun::NONE);
+                rays.iter().enumerate().for_each(|(number, ray)| run.set(number, *ray));
+                t_max[..limits.len()].copy_from_slice(limits);
+                let mask = first(rays.len());
+                accelerator.closest_hits(&objects, &meshes, &run, mask, &mut nearest);
+                hits.extend(numbers_in(mask).map(|number| nearest.get(number, &objects)));
+                let any = accelerator.any_hits(&objects, &meshes, &run, mask, &t_max);
+                found.extend(numbers_in(mask).map(|number| any >> number & 1 == 1));
+            }
             prop_assert_eq!(&found, &blocked, "{}", level);
             for (number, ray) in rays.iter().enumerate() {
                 let alone = accelerator.closest_hit(&objects, &meshes, ray);

@@ -6,7 +6,8 @@
 
 use super::beam::GROUPS;
 use super::simd::{Eight, Lanes, Task, WIDTH};
-use crate::objects::{Aabb, Ray};
+use crate::objects::Aabb;
+use crate::objects::run::{RUN, RayRun, around};
 use vecmath::{Real, Vector3};
 
 /// Boxes grow by this share of the largest coordinate.
@@ -24,7 +25,7 @@ pub struct Bundle {
     origin_times_inverse: [[Eight; GROUPS]; 3],
     /// The largest coordinate of an origin; NaN where rays cannot be culled.
     reach: f32,
-    /// The same in world space.
+    /// The largest coordinate of an origin in world space, at least.
     world_reach: Real,
 }
 
@@ -38,42 +39,38 @@ impl Bundle {
         world_reach: 0.0,
     };
 
-    /// Replaces all rays. Groups beyond the last one keep what they had: no mask has them.
+    /// Replaces all rays by those of a mask, and some between them.
     #[inline(always)]
-    fn set<L: Lanes>(&mut self, l: L, rays: &[Ray]) {
-        let center = rays.first().map_or(Vector3::ZERO, |ray| ray.origin);
+    fn set<L: Lanes>(&mut self, l: L, rays: &RayRun, mask: u64) {
+        let center = rays.origin.get(mask.trailing_zeros() as usize % RUN);
         // At first, these hold directions and origins.
         let Self { inverse, origin_times_inverse, .. } = self;
-        let mut world_reach = 0.0;
-        for (group, rays) in rays.chunks(WIDTH).take(GROUPS).enumerate() {
-            if rays.len() < WIDTH {
-                for axis in 0..3 {
-                    (inverse[axis][group], origin_times_inverse[axis][group]) = ([1.0; WIDTH], [0.0; WIDTH]);
-                }
-            }
-            for (lane, ray) in rays.iter().enumerate() {
-                world_reach = ray.origin.max_abs().max(world_reach);
-                let (from_center, along) = ((ray.origin - center).to_array(), ray.direction.to_array());
-                for axis in 0..3 {
-                    inverse[axis][group][lane] = along[axis] as f32;
-                    origin_times_inverse[axis][group][lane] = from_center[axis] as f32;
-                }
+        for axis in 0..3 {
+            let center = center.to_array()[axis];
+            for number in around(mask) {
+                inverse[axis].as_flattened_mut()[number] = rays.direction.0[axis][number] as f32;
+                origin_times_inverse[axis].as_flattened_mut()[number] =
+                    (rays.origin.0[axis][number] - center) as f32;
             }
         }
-        let (mut reach, mut sane) = (l.splat(0.0), u32::MAX);
-        for group in 0..rays.len().div_ceil(WIDTH).min(GROUPS) {
+        let (mut reach, mut insane) = (l.splat(0.0), 0);
+        for group in 0..GROUPS {
+            let here = (mask >> (WIDTH * group) & 0xff) as u32;
+            if here == 0 {
+                continue;
+            }
             let along = [l.load(&inverse[0][group]), l.load(&inverse[1][group]), l.load(&inverse[2][group])];
             let [x, y, z] = origin_times_inverse;
             let from_center = [l.load(&x[group]), l.load(&y[group]), l.load(&z[group])];
             let largest = l.max(l.max(l.abs(along[0]), l.abs(along[1])), l.abs(along[2]));
             let farthest = l.max(l.max(l.abs(from_center[0]), l.abs(from_center[1])), l.abs(from_center[2]));
-            reach = l.max(reach, farthest);
+            reach = l.max(reach, l.select(l.mask(here), farthest, l.splat(0.0)));
             // `max` passes over NaN, a sum does not.
             let sum = l.add(l.add(along[0], along[1]), along[2]);
             let sum = l.add(l.add(l.add(from_center[0], from_center[1]), from_center[2]), sum);
             let in_range =
                 l.and(l.le(l.splat(1.0 / LARGEST_DIRECTION), largest), l.le(largest, l.splat(LARGEST_DIRECTION)));
-            sane &= l.bits(l.and(in_range, l.le(l.abs(sum), l.splat(f32::MAX))));
+            insane |= here & !l.bits(l.and(in_range, l.le(l.abs(sum), l.splat(f32::MAX))));
             let smallest = l.mul(largest, l.splat(SMALLEST_SHARE));
             for axis in 0..3 {
                 let c = l.negated_by(l.max(l.abs(along[axis]), smallest), along[axis]);
@@ -84,17 +81,19 @@ impl Bundle {
         }
         let mut farthest = [0.0; WIDTH];
         l.store(reach, &mut farthest);
-        let all_sane = sane & 0xff == 0xff;
+        let reach = farthest.into_iter().fold(0.0, f32::max);
         self.center = center;
-        self.reach = if all_sane { farthest.into_iter().fold(0.0, f32::max) } else { f32::NAN };
-        self.world_reach = world_reach;
+        self.reach = if insane == 0 { reach } else { f32::NAN };
+        // More than rounding to `f32` may have taken away.
+        self.world_reach = center.max_abs() + 1.01 * Real::from(reach);
     }
 }
 
-/// Fills a bundle with rays.
+/// Fills a bundle with the rays of a mask.
 pub struct FillBundle<'a> {
     pub bundle: &'a mut Bundle,
-    pub rays: &'a [Ray],
+    pub rays: &'a RayRun,
+    pub mask: u64,
 }
 
 impl Task for FillBundle<'_> {
@@ -102,7 +101,7 @@ impl Task for FillBundle<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        self.bundle.set(l, self.rays);
+        self.bundle.set(l, self.rays, self.mask);
     }
 }
 

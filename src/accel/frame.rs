@@ -19,6 +19,10 @@
 //!
 //! **Triangles.** See [`triangles`](super::triangles).
 
+use super::beam::{Beam, GROUPS};
+use super::simd::{Lanes, Task, WIDTH};
+use super::walk::DONE;
+use crate::objects::run::{Numbers, PreparedRun, RUN, around};
 use crate::objects::{Aabb, PreparedRay, Ray};
 use vecmath::{Real, Vector3};
 
@@ -59,9 +63,9 @@ pub struct CullRay {
     pub direction: [f32; 3],
     pub inverse: [f32; 3],
     /// t of the ray where the frame's is 0.
-    start: Real,
+    pub start: Real,
     /// The frame's t per t of the ray.
-    rate: Real,
+    pub rate: Real,
 }
 
 /// How a ray meets a frame.
@@ -136,51 +140,104 @@ impl Frame {
 
     /// The ray in the frame. At t = `start` it must be within 1 + 2^-16 of the middle on every axis, and not yet in
     /// the box unless `start` is 0.
+    fn enter_at(&self, ray: &Ray, start: Real) -> Entry {
+        let (cull_ray, is_sane) = self.moved(ray, start);
+        if is_sane { Entry::Met(cull_ray) } else { Entry::Unknown }
+    }
+
+    /// The ray in the frame as [`enter_at`](Self::enter_at) has it, and whether it can be culled.
     #[inline(always)]
-    pub fn enter_at(&self, ray: &Ray, start: Real) -> Entry {
+    fn moved(&self, ray: &Ray, start: Real) -> (CullRay, bool) {
         let from_center = ray.origin - self.center;
         let within = |vector: Vector3, limit: Real| {
             // Written so that NaN is not within.
-            vector.x.abs() <= limit && vector.y.abs() <= limit && vector.z.abs() <= limit
+            (vector.x.abs() <= limit) & (vector.y.abs() <= limit) & (vector.z.abs() <= limit)
         };
         let [x, y, z] = ray.direction.map(Real::abs).to_array();
         let largest = if x > y { x } else { y };
         let largest = if largest > z { largest } else { z };
-        let sane = largest > Real::MIN_POSITIVE * 1e8 && largest < Real::MAX && within(ray.direction, largest);
-        let spread_fits = self.spread == 0.0 || self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD;
-        if !(sane && spread_fits && within(from_center * self.scale, FARTHEST)) {
-            return Entry::Unknown;
-        }
+        let is_sane = (largest > Real::MIN_POSITIVE * 1e8)
+            & (largest < Real::MAX)
+            & within(ray.direction, largest)
+            & (self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD)
+            & within(from_center * self.scale, FARTHEST);
         let origin = (from_center + ray.direction * start) * self.scale;
         let direction = ray.direction * (1.0 / largest);
         let direction = direction.to_array().map(|c| {
             let c = c as f32;
             if c.abs() >= SMALLEST_COMPONENT { c } else { SMALLEST_COMPONENT.copysign(c) }
         });
-        Entry::Met(CullRay {
+        let cull_ray = CullRay {
             origin: origin.to_array().map(|c| c as f32),
             direction,
             inverse: direction.map(|c| 1.0 / c),
             start,
             rate: largest * self.scale,
-        })
+        };
+        (cull_ray, is_sane)
+    }
+}
+
+/// Takes the rays of a mask into a frame, and those that meet it within their `t_max` into a beam. The output are the
+/// rays that have met it, and those that cannot be culled (see [`Entry`]).
+pub struct EnterMany<'a> {
+    pub frame: &'a Frame,
+    pub rays: PreparedRun<'a>,
+    pub mask: u64,
+    pub t_max: &'a Numbers,
+    pub beam: &'a mut Beam,
+}
+
+impl Task for EnterMany<'_> {
+    type Output = (u64, u64);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> (u64, u64) {
+        let Self { frame, rays, mask, t_max, beam } = self;
+        beam.clear();
+        // 0: missed, 1: met, 2: unknown.
+        let mut states = [[0.0f32; WIDTH]; GROUPS];
+        // Apart from the beam, for the compiler does not see that they do not overlap with numbers of another size.
+        let (mut start, mut rate) = ([0.0; RUN], [1.0; RUN]);
+        for number in around(mask) {
+            let ray = rays.get(number);
+            let (meets, near) = frame.bounds.meets(&ray, 0.0, t_max[number]);
+            let (moved, is_sane) = frame.moved(&ray.ray, near);
+            let limit = moved.limit(t_max[number]);
+            let state = if is_sane { 1.0 } else { 2.0 };
+            states.as_flattened_mut()[number] = if meets { state } else { 0.0 };
+            (start[number], rate[number]) = (moved.start, moved.rate);
+            beam.set(number, &moved, if meets & is_sane { limit } else { DONE });
+        }
+        (beam.start, beam.rate) = (start, rate);
+        let (mut met, mut unknown) = (0, 0);
+        for (group, states) in states.iter().enumerate() {
+            let states = l.load(states);
+            let from_one = u64::from(l.bits(l.le(l.splat(1.0), states)));
+            let from_two = u64::from(l.bits(l.le(l.splat(2.0), states)));
+            met |= (from_one & !from_two) << (WIDTH * group);
+            unknown |= from_two << (WIDTH * group);
+        }
+        (met & mask, unknown & mask)
     }
 }
 
 impl CullRay {
-    /// Stands where no ray is.
-    pub const NONE: Self =
-        Self { origin: [0.0; 3], direction: [1.0; 3], inverse: [1.0; 3], start: 0.0, rate: 1.0 };
-
     /// The frame's t for the ray's, never too small for the ray to reach an item at that t.
-    #[inline]
+    #[inline(always)]
     pub fn limit(&self, t: Real) -> f32 {
-        // The half margin covers the rounding of t, of which the frame's t is at most 4.
-        (((t - self.start) * self.rate) as f32 + 0.5 * BOX_MARGIN).min(LARGEST_T)
+        limit(t, self.start, self.rate)
     }
 
     /// origin * inverse, axis by axis.
     pub fn origin_times_inverse(&self) -> [f32; 3] {
         std::array::from_fn(|axis| self.origin[axis] * self.inverse[axis])
     }
+}
+
+/// [`CullRay::limit`] of a ray with this start and rate.
+#[inline(always)]
+pub fn limit(t: Real, start: Real, rate: Real) -> f32 {
+    // The half margin covers the rounding of t, of which the frame's t is at most 4.
+    (((t - start) * rate) as f32 + 0.5 * BOX_MARGIN).min(LARGEST_T)
 }

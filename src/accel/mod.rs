@@ -14,6 +14,7 @@ mod frame;
 pub mod kept;
 mod objects;
 mod questions;
+mod shaft;
 pub mod simd;
 mod tree;
 mod triangle_tree;
@@ -21,4 +22,4 @@ mod triangles;
 mod walk;
 
 pub use objects::{Accelerator, Hit, LOOP_OBJECTS};
-pub use triangle_tree::TriangleTree;
+pub use triangle_tree::{Decide, TriangleTree};

@@ -1,15 +1,17 @@
 //! [`Accelerator`]: from a ray to the object that it hits.
 
-use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
+use super::beam::{Beam, BeamWalk, Leaves};
 use super::build::{self, Item};
 use super::bundle::{Bundle, FillBundle, Meeting};
-use super::frame::{Entry, Frame};
+use super::frame::{EnterMany, Entry, Frame};
 use super::kept::Kept;
 use super::questions::{Any, Closest, Questions, Search};
+use super::shaft::Shaft;
 use super::simd::{Lanes, Level};
 use super::tree::{Child, Tree};
 use super::walk::{Call, DONE, Walk};
-use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, Shape, T_MAX};
+use crate::objects::run::{HitRun, Numbers, RayRun, Vectors, WorldRun, numbers_in};
+use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, T_MAX};
 use vecmath::Real;
 
 /// A hit and whose it is.
@@ -123,47 +125,31 @@ impl Accelerator {
         }
     }
 
-    /// [`closest_hit`](Self::closest_hit) of many rays, best such as lie side by side: `hits` gets an entry for each.
-    pub fn closest_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    /// [`closest_hit`](Self::closest_hit) of the rays of a mask, best such as lie side by side.
+    pub fn closest_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &RayRun, mask: u64, hits: &mut HitRun) {
         hits.clear();
-        for rays in rays.chunks(BEAM_RAYS) {
-            let first = hits.len();
-            hits.extend(std::iter::repeat_with(|| None).take(rays.len()));
-            let mut closest = Closest { objects, meshes, hits: &mut hits[first..] };
-            self.candidates_of_many(objects, rays, &mut closest);
-        }
+        self.candidates_of_many(objects, rays, mask, &mut Closest { objects, meshes, hits });
     }
 
-    /// [`any_hit`](Self::any_hit) of many rays, each with its `t_max`: `found` gets an entry for each.
-    pub fn any_hits(
-        &self,
-        objects: &[Object],
-        meshes: &[Mesh],
-        rays: &[Ray],
-        t_max: &[Real],
-        found: &mut Vec<bool>,
-    ) {
-        found.clear();
-        for (rays, limits) in rays.chunks(BEAM_RAYS).zip(t_max.chunks(BEAM_RAYS)) {
-            let mut t_max = [0.0; BEAM_RAYS];
-            for (t_max, limit) in t_max.iter_mut().zip(limits) {
-                *t_max = limit.min(T_MAX.next_down());
-            }
-            let mut any = Any { objects, meshes, t_max, found: 0 };
-            self.candidates_of_many(objects, rays, &mut any);
-            found.extend((0..rays.len()).map(|number| any.found >> number & 1 == 1));
-        }
+    /// [`any_hit`](Self::any_hit) of the rays of a mask, each with its `t_max`; as a mask.
+    pub fn any_hits(&self, objects: &[Object], meshes: &[Mesh], rays: &RayRun, mask: u64, t_max: &Numbers) -> u64 {
+        let t_max = t_max.map(|t_max| t_max.min(T_MAX.next_down()));
+        let mut any = Any { objects, meshes, t_max, found: 0 };
+        self.candidates_of_many(objects, rays, mask, &mut any);
+        any.found
     }
 
-    fn candidates_of_many(&self, objects: &[Object], rays: &[Ray], questions: &mut impl Questions) {
+    fn candidates_of_many(&self, objects: &[Object], rays: &RayRun, mask: u64, questions: &mut impl Questions) {
+        if mask == 0 {
+            return;
+        }
         let mut scratch = SCRATCH.take().unwrap_or_default();
-        let Scratch { bundle, prepared, beam } = &mut *scratch;
-        self.level.run(FillBundle { bundle, rays });
-        let mut prepared = Prepared { rays, done: 0, prepared };
-        let open = u64::MAX >> (BEAM_RAYS - rays.len());
-        let open = self.ask_loose(objects, bundle, &mut prepared, open, questions);
+        let Scratch { bundle, inverse_direction, beam } = &mut *scratch;
+        self.level.run(FillBundle { bundle, rays, mask });
+        let mut world = WorldRun::new(rays, mask, inverse_direction);
+        let open = self.ask_loose(objects, bundle, &mut world, mask, questions);
         if let Some(treed) = &self.treed {
-            treed.ask_many(self.level, bundle, &mut prepared, beam, open, questions);
+            treed.ask_many(self.level, bundle, &mut world, beam, open, questions);
         }
         SCRATCH.set(Some(scratch));
     }
@@ -173,7 +159,7 @@ impl Accelerator {
         &self,
         objects: &[Object],
         bundle: &Bundle,
-        prepared: &mut Prepared,
+        world: &mut WorldRun,
         mut open: u64,
         questions: &mut impl Questions,
     ) -> u64 {
@@ -183,16 +169,10 @@ impl Accelerator {
             if let Some(bounds) = &object.bounds {
                 mask = self.level.run(Meeting { bundle, bounds, spread: object.spread, mask });
             }
-            if mask == 0 {
-                continue;
+            if mask != 0 {
+                questions.ask(index, self.level, world, mask);
+                open = questions.open(open);
             }
-            match &object.shape {
-                Shape::Plane(plane) if object.bounds.is_none() => {
-                    object.plane_hits(plane, prepared.rays, mask, |number, t| questions.take(index, number, t));
-                }
-                _ => questions.ask(index, prepared.prepare(mask), mask),
-            }
-            open = questions.open(open);
         }
         open
     }
@@ -204,29 +184,20 @@ impl ObjectTree {
         &self,
         level: Level,
         bundle: &Bundle,
-        prepared: &mut Prepared,
+        world: &mut WorldRun,
         beam: &mut Beam,
         mask: u64,
         questions: &mut impl Questions,
     ) {
         let (bounds, spread) = (self.frame.bounds(), self.frame.spread());
         let mask = level.run(Meeting { bundle, bounds, spread, mask });
-        let (mut met, mut unknown) = (0, 0);
-        beam.clear();
-        let rays = prepared.prepare(mask);
-        for number in numbers_in(mask) {
-            let t_max = questions.t_max(number);
-            match self.frame.enter(&rays[number], t_max) {
-                Entry::Missed => {}
-                Entry::Unknown => unknown |= 1 << number,
-                Entry::Met(ray) => {
-                    met |= 1 << number;
-                    beam.set(number, ray, t_max);
-                }
-            }
+        if mask == 0 {
+            return;
         }
-        let leaves = ObjectLeaves { objects: &self.objects, rays, questions };
+        let (frame, rays, t_max) = (&self.frame, world.prepared(level), questions.t_max());
+        let (met, unknown) = level.run(EnterMany { frame, rays, mask, t_max, beam });
         if met != 0 {
+            let leaves = ObjectLeaves { objects: &self.objects, level, world, questions };
             level.run(BeamWalk { tree: &self.tree, beam, mask: met, leaves });
         }
         for &index in &self.objects {
@@ -234,7 +205,7 @@ impl ObjectTree {
             if unknown == 0 {
                 break;
             }
-            questions.ask(index, rays, unknown);
+            questions.ask(index, level, world, unknown);
         }
     }
 }
@@ -242,7 +213,7 @@ impl ObjectTree {
 /// What a run of rays needs room for.
 struct Scratch {
     bundle: Bundle,
-    prepared: [PreparedRay; BEAM_RAYS],
+    inverse_direction: Vectors,
     beam: Beam,
 }
 
@@ -252,41 +223,24 @@ thread_local! {
 
 impl Default for Scratch {
     fn default() -> Self {
-        Self { bundle: Bundle::EMPTY, prepared: [PreparedRay::NONE; BEAM_RAYS], beam: Beam::EMPTY }
+        Self { bundle: Bundle::EMPTY, inverse_direction: Vectors::ZERO, beam: Beam::EMPTY }
     }
 }
 
-/// Rays that are prepared when they are first needed.
-struct Prepared<'a> {
-    rays: &'a [Ray],
-    done: u64,
-    prepared: &'a mut [PreparedRay; BEAM_RAYS],
-}
-
-impl Prepared<'_> {
-    /// All rays, of which at least those of a mask are prepared.
-    fn prepare(&mut self, mask: u64) -> &[PreparedRay; BEAM_RAYS] {
-        for number in numbers_in(mask & !self.done) {
-            self.prepared[number] = PreparedRay::new(self.rays[number]);
-        }
-        self.done |= mask;
-        self.prepared
-    }
-}
-
-struct ObjectLeaves<'a, Q> {
+struct ObjectLeaves<'a, 'b, Q> {
     objects: &'a [u32],
-    rays: &'a [PreparedRay; BEAM_RAYS],
+    level: Level,
+    world: &'a mut WorldRun<'b>,
     questions: &'a mut Q,
 }
 
-impl<Q: Questions> Leaves for ObjectLeaves<'_, Q> {
+impl<Q: Questions> Leaves for ObjectLeaves<'_, '_, Q> {
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, _: L, leaf: usize, rays: u64, beam: &mut Beam) {
-        self.questions.ask(self.objects[leaf], self.rays, rays);
+    fn visit<L: Lanes>(&mut self, _: L, leaf: usize, rays: u64, _: Option<&Shaft>, beam: &mut Beam) {
+        self.questions.ask(self.objects[leaf], self.level, self.world, rays);
         for number in numbers_in(rays) {
             if beam.limit(number) > DONE {
-                beam.set_t_max(number, self.questions.t_max(number));
+                beam.set_t_max(number, self.questions.t_max()[number]);
             }
         }
     }

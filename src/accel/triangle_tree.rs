@@ -1,16 +1,21 @@
 //! [`TriangleTree`]: from a ray to the few triangles of a mesh that it might hit.
 
-use super::beam::{BEAM_RAYS, Beam, BeamWalk, Leaves, numbers_in};
+use super::beam::{Beam, BeamWalk, FEW, GROUPS, Leaves};
 use super::build::{self, Item};
-use super::frame::{CullRay, Entry, Frame, Planes};
+use super::frame::{CullRay, EnterMany, Entry, Frame, Planes};
 use super::kept::Kept;
+use super::shaft::Shaft;
 use super::simd::{Lanes, Level, WIDTH};
 use super::tree::{Child, Tree};
 use super::triangles::Block;
 use super::walk::{DONE, Visit, Walk};
+use crate::objects::run::{Numbers, PreparedRun, around, numbers_in};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
 use vecmath::{Real, Vector3};
+
+/// So many rays are asked together in the time of one by itself.
+const WORTH_ASKING_TOGETHER: usize = 4;
 
 thread_local! {
     static BEAM: Kept<Beam> = const { Kept::new(None) };
@@ -71,45 +76,26 @@ impl TriangleTree {
         }
     }
 
-    /// [`candidates`](Self::candidates) of several rays, at most 64: those of `mask`. `decide` is told the ray's number
-    /// as well. `near` are places where rays enter a box not much larger than the mesh's, if such are known.
-    #[inline]
-    pub fn candidates_of_many(
-        &self,
-        rays: &[PreparedRay],
-        mask: u64,
-        near: Option<&[Real; BEAM_RAYS]>,
-        t_max: &[Real],
-        mut decide: impl FnMut(usize, u32) -> Real,
-    ) {
+    /// [`candidates`](Self::candidates) of the rays of a mask.
+    pub fn candidates_of_many(&self, rays: PreparedRun, mask: u64, decide: &mut impl Decide) {
         let mut unknown = mask;
-        if let Some(culled) = &self.culled {
+        if let Some(Culled { frame, tree, blocks }) = &self.culled {
             let mut beam = BEAM.take().unwrap_or_else(|| Box::new(Beam::EMPTY));
-            beam.clear();
-            let mut met = 0;
-            unknown = 0;
-            for number in numbers_in(mask) {
-                let entry = match near {
-                    Some(near) => culled.frame.enter_at(&rays[number].ray, near[number]),
-                    None => culled.frame.enter(&rays[number], t_max[number]),
-                };
-                match entry {
-                    Entry::Missed => {}
-                    Entry::Unknown => unknown |= 1 << number,
-                    Entry::Met(ray) => {
-                        met |= 1 << number;
-                        beam.set(number, ray, t_max[number]);
-                    }
-                }
-            }
-            let leaves = BlockLeaves { blocks: &culled.blocks, decide: &mut decide };
+            let entering = EnterMany { frame, rays, mask, t_max: decide.t_max(), beam: &mut beam };
+            let met;
+            (met, unknown) = self.level.run(entering);
             if met != 0 {
-                self.level.run(BeamWalk { tree: &culled.tree, beam: &mut beam, mask: met, leaves });
+                let leaves = BlockLeaves { blocks, decide };
+                self.level.run(BeamWalk { tree, beam: &mut beam, mask: met, leaves });
             }
             BEAM.set(Some(beam));
         }
         for number in numbers_in(unknown) {
-            let _ = (0..self.count).any(|triangle| decide(number, triangle) == Real::NEG_INFINITY);
+            for triangle in 0..self.count {
+                if decide.t_max()[number] > Real::NEG_INFINITY {
+                    decide.one(number, triangle);
+                }
+            }
         }
     }
 
@@ -168,7 +154,7 @@ impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
         let block = &self.blocks[leaf];
-        let mut survivors = block.survivors(l, self.ray.origin, self.ray.direction, self.limit);
+        let mut survivors = block.survivors(l, self.ray, self.limit);
         while survivors != 0 && self.limit > DONE {
             self.limit = (self.decide)(block.number(survivors.trailing_zeros()));
             survivors &= survivors - 1;
@@ -177,23 +163,80 @@ impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
     }
 }
 
+/// Who decides, in [`Real`], which triangles rays hit.
+pub trait Decide {
+    /// How far each ray still looks; minus infinity if no further.
+    fn t_max(&self) -> &Numbers;
+    /// Asks a triangle about a ray, perhaps not for the first time.
+    fn one(&mut self, number: usize, triangle: u32);
+    /// Asks a triangle about the rays of a mask.
+    fn many<L: Lanes>(&mut self, lanes: L, mask: u64, triangle: u32);
+}
+
 /// Leaves that are blocks of triangles.
 struct BlockLeaves<'a, D> {
     blocks: &'a [Block],
     decide: &'a mut D,
 }
 
-impl<D: FnMut(usize, u32) -> Real> Leaves for BlockLeaves<'_, D> {
+impl<D: Decide> BlockLeaves<'_, D> {
+    /// One ray and all triangles.
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, l: L, leaf: usize, rays: u64, beam: &mut Beam) {
+    fn visit_one<L: Lanes>(&mut self, l: L, block: &Block, number: usize, beam: &mut Beam) {
+        let mut survivors = block.survivors(l, &beam.ray(number), beam.limit(number));
+        while survivors != 0 && beam.limit(number) > DONE {
+            self.decide.one(number, block.number(survivors.trailing_zeros()));
+            beam.set_t_max(number, self.decide.t_max()[number]);
+            survivors &= survivors - 1;
+        }
+    }
+
+    /// All rays and one triangle.
+    #[inline(always)]
+    fn visit_many<L: Lanes>(&mut self, l: L, block: &Block, place: u32, mask: u64, beam: &mut Beam) {
+        let mut survivors = 0;
+        for group in 0..GROUPS {
+            let here = mask >> (WIDTH * group) & 0xff;
+            if here != 0 {
+                let bits = block.surviving_rays(l, place, beam.group(l, group), l.load(&beam.limit[group]));
+                survivors |= (here & u64::from(bits)) << (WIDTH * group);
+            }
+        }
+        // Rays between those that survive are asked too, to no purpose.
+        if survivors != 0 && around(survivors).len() < WORTH_ASKING_TOGETHER * survivors.count_ones() as usize {
+            self.decide.many(l, survivors, block.number(place));
+            return beam.set_t_maxes(survivors, self.decide.t_max());
+        }
+        for number in numbers_in(survivors) {
+            if beam.limit(number) > DONE {
+                self.decide.one(number, block.number(place));
+                beam.set_t_max(number, self.decide.t_max()[number]);
+            }
+        }
+    }
+}
+
+impl<D: Decide> Leaves for BlockLeaves<'_, D> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, l: L, leaf: usize, rays: u64, shaft: Option<&Shaft>, beam: &mut Beam) {
         let block = &self.blocks[leaf];
-        for number in numbers_in(rays) {
-            let ray = beam.ray(number);
-            let mut survivors = block.survivors(l, ray.origin, ray.direction, beam.limit(number));
-            while survivors != 0 && beam.limit(number) > DONE {
-                let t_max = (self.decide)(number, block.number(survivors.trailing_zeros()));
-                beam.set_t_max(number, t_max);
-                survivors &= survivors - 1;
+        let mut places = block.all();
+        if let (Some(shaft), true) = (shaft, rays.count_ones() > FEW) {
+            (places, _) = shaft.boxes(l, &block.boxes(l), beam.largest_limit(l));
+            places &= block.all();
+            let groups = rays | rays >> 1 | rays >> 2 | rays >> 3;
+            let groups = ((groups | groups >> 4) & 0x0101_0101_0101_0101).count_ones();
+            if places.count_ones() * groups < rays.count_ones() {
+                while places != 0 {
+                    self.visit_many(l, block, places.trailing_zeros(), rays, beam);
+                    places &= places - 1;
+                }
+                return;
+            }
+        }
+        if places != 0 {
+            for number in numbers_in(rays) {
+                self.visit_one(l, block, number, beam);
             }
         }
     }

@@ -26,7 +26,7 @@
 //! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The definition's t is never before the entry into the
 //! triangle's box, which the exact t is not either.
 
-use super::frame::Frame;
+use super::frame::{BOX_MARGIN, CullRay, Frame};
 use super::simd::{Eight, Lanes, WIDTH};
 use vecmath::Vector3;
 
@@ -94,9 +94,24 @@ impl Block {
 
     /// Bit i is set unless it is certain that the ray does not hit triangle i at a t from 0 to `limit`.
     #[inline(always)]
-    pub fn survivors<L: Lanes>(&self, l: L, origin: [f32; 3], direction: [f32; 3], limit: f32) -> u32 {
-        let (a, o, d) = (load(l, &self.corner), splat(l, origin), splat(l, direction));
-        let (e1, e2) = (load(l, &self.edges[0]), load(l, &self.edges[1]));
+    pub fn survivors<L: Lanes>(&self, l: L, ray: &CullRay, limit: f32) -> u32 {
+        let triangles = [load(l, &self.corner), load(l, &self.edges[0]), load(l, &self.edges[1])];
+        let rays = [splat(l, ray.origin), splat(l, ray.direction)];
+        self.may_hit(l, triangles, rays, l.splat(limit)) & self.all()
+    }
+
+    /// The same of one triangle and eight rays, each with its limit: bit i is ray i's.
+    #[inline(always)]
+    pub fn surviving_rays<L: Lanes>(&self, l: L, place: u32, rays: [[L::F; 3]; 2], limit: L::F) -> u32 {
+        let place = place as usize % WIDTH;
+        let Self { corner, edges: [e1, e2], .. } = self;
+        let triangle = [pick(l, corner, place), pick(l, e1, place), pick(l, e2, place)];
+        self.may_hit(l, triangle, rays, limit)
+    }
+
+    /// In each lane a triangle (corner and edges) and a ray (origin and direction).
+    #[inline(always)]
+    fn may_hit<L: Lanes>(&self, l: L, [a, e1, e2]: [[L::F; 3]; 3], [o, d]: [[L::F; 3]; 2], limit: L::F) -> u32 {
         let c = [l.sub(a[0], o[0]), l.sub(a[1], o[1]), l.sub(a[2], o[2])];
         let r = cross(l, c, d);
         let n = cross(l, e1, e2);
@@ -108,9 +123,29 @@ impl Block {
             l.or(l.le(l.splat(-margin), l.min(l.min(u, v), w)), l.le(l.max(l.max(u, v), w), l.splat(margin)));
         let t = l.negated_by(t, det);
         let margin = self.distance_margin;
-        let farthest = l.mul_add(l.abs(det), l.splat(limit), l.splat(margin));
+        let farthest = l.mul_add(l.abs(det), limit, l.splat(margin));
         let in_range = l.and(l.le(l.splat(-margin), t), l.le(t, farthest));
-        l.bits(l.and(one_side, in_range)) & ((1 << self.count) - 1)
+        l.bits(l.and(one_side, in_range))
+    }
+
+    /// Boxes around the triangles, three lower and three upper planes, margin included.
+    #[inline(always)]
+    pub fn boxes<L: Lanes>(&self, l: L) -> [L::F; 6] {
+        let (zero, lower, upper) = (l.splat(0.0), l.splat(-BOX_MARGIN), l.splat(BOX_MARGIN));
+        let mut planes = [zero; 6];
+        for axis in 0..3 {
+            let (a, e1, e2) =
+                (l.load(&self.corner[axis]), l.load(&self.edges[0][axis]), l.load(&self.edges[1][axis]));
+            planes[axis] = l.add(l.add(a, l.min(l.min(e1, e2), zero)), lower);
+            planes[axis + 3] = l.add(l.add(a, l.max(l.max(e1, e2), zero)), upper);
+        }
+        planes
+    }
+
+    /// A bit for each triangle.
+    #[inline(always)]
+    pub fn all(&self) -> u32 {
+        (1 << self.count) - 1
     }
 
     #[inline(always)]
@@ -127,6 +162,11 @@ fn load<L: Lanes>(l: L, from: &[Eight; 3]) -> [L::F; 3] {
 #[inline(always)]
 fn splat<L: Lanes>(l: L, v: [f32; 3]) -> [L::F; 3] {
     [l.splat(v[0]), l.splat(v[1]), l.splat(v[2])]
+}
+
+#[inline(always)]
+fn pick<L: Lanes>(l: L, from: &[Eight; 3], place: usize) -> [L::F; 3] {
+    splat(l, [from[0][place], from[1][place], from[2][place]])
 }
 
 #[inline(always)]

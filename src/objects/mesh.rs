@@ -3,7 +3,6 @@
 use super::triangle::face_normal;
 use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
-use crate::accel::beam::{BEAM_RAYS, numbers_in};
 use crate::accel::simd::Level;
 use crate::report::{Stopwatch, Times};
 use vecmath::{Real, Vector3};
@@ -103,7 +102,7 @@ impl Mesh {
         &self.bounds
     }
 
-    fn indices(&self) -> std::ops::Range<u32> {
+    pub(super) fn indices(&self) -> std::ops::Range<u32> {
         0..self.triangles.len() as u32
     }
 
@@ -148,66 +147,13 @@ impl Mesh {
         });
         found
     }
-
-    /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`. Each search says how far its
-    /// ray looks, and takes what it finds.
-    /// `near` are places where rays enter the mesh's box or one not much larger, if such are known.
-    pub fn closest_hits(
-        &self,
-        rays: &[PreparedRay],
-        mask: u64,
-        near: Option<&[Real; BEAM_RAYS]>,
-        t_max: &[Real; BEAM_RAYS],
-        searches: &mut [MeshSearch],
-    ) {
-        match &self.tree {
-            None => {
-                for number in numbers_in(mask) {
-                    self.indices().for_each(|triangle| {
-                        searches[number].ask(self, &rays[number], triangle);
-                    });
-                }
-            }
-            Some(tree) => {
-                let decide = |number: usize, triangle| searches[number].ask(self, &rays[number], triangle);
-                tree.candidates_of_many(rays, mask, near, t_max, decide);
-            }
-        }
-    }
-
-    /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`; as a mask.
-    pub fn any_hits(
-        &self,
-        rays: &[PreparedRay],
-        mask: u64,
-        near: Option<&[Real; BEAM_RAYS]>,
-        t_max: &[Real],
-    ) -> u64 {
-        let mut found = 0;
-        let mut is_hit = |number: usize, triangle: u32| {
-            let hit =
-                triangle_hit(&rays[number], self.corners(triangle)).is_some_and(|hit| hit.t <= t_max[number]);
-            found |= u64::from(hit) << number;
-            if hit { Real::NEG_INFINITY } else { t_max[number] }
-        };
-        match &self.tree {
-            None => {
-                for number in numbers_in(mask) {
-                    let _ = self.indices().any(|triangle| is_hit(number, triangle) == Real::NEG_INFINITY);
-                }
-            }
-            Some(tree) => tree.candidates_of_many(rays, mask, near, t_max, is_hit),
-        }
-        found
-    }
 }
 
 /// The nearest hit of a ray with a mesh so far.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshSearch {
+struct MeshSearch {
     /// Hits count below this t.
-    pub t_max: Real,
-    pub closest: Option<MeshHit>,
+    t_max: Real,
+    closest: Option<MeshHit>,
 }
 
 impl MeshSearch {

@@ -4,25 +4,27 @@
 //! Everywhere, a ray is `origin + t * direction` with `direction` of any length, and a hit has 0 < t < [`T_MAX`].
 
 mod aabb;
+mod many;
 mod mesh;
+mod mesh_many;
 mod placement;
 mod plane;
 mod ray;
+pub mod run;
 mod sphere;
 mod surface;
 mod triangle;
 
 pub use aabb::Aabb;
-pub use mesh::{Mesh, MeshHit, MeshSearch};
+pub use mesh::{Mesh, MeshHit};
+pub use mesh_many::NO_TRIANGLE;
 pub use placement::Placement;
 pub use plane::Plane;
-pub use ray::{PreparedRay, Ray, ShearedRay};
+pub use ray::{PreparedRay, Ray};
 pub use sphere::Sphere;
 pub use surface::SurfacePoint;
-pub use triangle::{Triangle, TriangleHit, triangle_hit};
+pub use triangle::{Triangle, TriangleHit, TriangleHits, triangle_hit};
 
-use crate::accel::beam::{BEAM_RAYS, numbers_in};
-use crate::accel::kept::Kept;
 use crate::render::robust::ROUNDING;
 use surface::triangle_point;
 use triangle::face_normal;
@@ -30,10 +32,6 @@ use vecmath::{Real, Vector3};
 
 /// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
 pub const T_MAX: Real = f32::MAX as Real;
-
-thread_local! {
-    static OBJECT_RAYS: Kept<[PreparedRay; BEAM_RAYS]> = const { Kept::new(None) };
-}
 
 /// The geometry of an [`Object`].
 #[derive(Clone, Debug)]
@@ -140,78 +138,7 @@ impl Object {
         t.is_some_and(|t| t <= t_max)
     }
 
-    /// [`closest_hit`](Self::closest_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`.
-    /// `found` is told about every hit with t below the ray's `t_max`.
-    pub fn closest_mesh_hits(
-        &self,
-        mesh: &Mesh,
-        world: &[PreparedRay],
-        mask: u64,
-        t_max: &[Real; BEAM_RAYS],
-        mut found: impl FnMut(usize, ObjectHit),
-    ) {
-        let mut near = [0.0; BEAM_RAYS];
-        let mut met = 0;
-        for number in numbers_in(mask) {
-            if let Some(entry) = self.entry(&world[number], t_max[number]) {
-                near[number] = entry;
-                met |= 1 << number;
-            }
-        }
-        if met == 0 {
-            return;
-        }
-        let mut searches = t_max.map(|t_max| MeshSearch { t_max, closest: None });
-        self.many_in_object_space(world, met, &near, |rays, near| {
-            mesh.closest_hits(rays, met, near, t_max, &mut searches);
-        });
-        for number in numbers_in(met) {
-            let Some(MeshHit { triangle, hit }) = searches[number].closest else { continue };
-            let t = hit.t.max(near[number]);
-            if t < t_max[number] {
-                found(number, ObjectHit { t, triangle, barycentric: hit.barycentric });
-            }
-        }
-    }
-
-    /// [`any_hit`](Self::any_hit) of those of at most 64 rays that are in `mask`, for an object that is `mesh`; as a
-    /// mask.
-    pub fn any_mesh_hits(&self, mesh: &Mesh, world: &[PreparedRay], mask: u64, t_max: &[Real]) -> u64 {
-        let mut near = [0.0; BEAM_RAYS];
-        let (mut met, mut found) = (0, 0);
-        for number in numbers_in(mask) {
-            if let Some(entry) = self.entry(&world[number], t_max[number]) {
-                near[number] = entry;
-                met |= 1 << number;
-            }
-        }
-        if met != 0 {
-            self.many_in_object_space(world, met, &near, |rays, near| {
-                found = mesh.any_hits(rays, met, near, t_max);
-            });
-        }
-        found
-    }
-
-    /// Hands over the rays of a mask in object space, and `near` if it holds there as well.
-    fn many_in_object_space(
-        &self,
-        world: &[PreparedRay],
-        mask: u64,
-        near: &[Real; BEAM_RAYS],
-        f: impl FnOnce(&[PreparedRay], Option<&[Real; BEAM_RAYS]>),
-    ) {
-        let Some(placement) = &self.placement else {
-            return f(world, Some(near));
-        };
-        let mut rays = OBJECT_RAYS.take().unwrap_or_else(|| Box::new([PreparedRay::NONE; BEAM_RAYS]));
-        for number in numbers_in(mask) {
-            rays[number] = PreparedRay::new(placement.ray_to_object(&world[number].ray));
-        }
-        f(&*rays, None);
-        OBJECT_RAYS.set(Some(rays));
-    }
-
+    #[inline(always)]
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
         match &self.bounds {
             Some(bounds) if self.spread == 0.0 => bounds.entry(world, 0.0, t_max),
@@ -222,16 +149,6 @@ impl Object {
 
     fn ray_to_object(&self, world: &Ray) -> Ray {
         self.placement.as_ref().map_or(*world, |placement| placement.ray_to_object(world))
-    }
-
-    /// Of those of at most 64 rays that are in `mask`, tells `found` the hits of an object that is a plane, with t below
-    /// [`T_MAX`]. A plane has no bounds, so rays need no preparation.
-    pub fn plane_hits(&self, plane: &Plane, world: &[Ray], mask: u64, mut found: impl FnMut(usize, Real)) {
-        for number in numbers_in(mask) {
-            if let Some(t) = plane.hit(&self.ray_to_object(&world[number])).filter(|&t| t < T_MAX) {
-                found(number, t);
-            }
-        }
     }
 
     fn in_object_space<T>(&self, world: &PreparedRay, f: impl FnOnce(&PreparedRay) -> T) -> T {

@@ -1,6 +1,8 @@
 //! [`Triangle`], and the one test that decides whether a ray hits a triangle: of a scene or of a mesh.
 
-use super::{Aabb, PreparedRay, ShearedRay};
+use super::ray::{Shear, ShearAxes};
+use super::run::{Numbers, PreparedRun, RUN, RayRun, around};
+use super::{Aabb, PreparedRay};
 use crate::render::robust::ROUNDING;
 use vecmath::{Real, Vector3};
 
@@ -23,52 +25,110 @@ pub struct TriangleHit {
 /// functions are nothing but rounding: the ray may lie in its plane and pass beside it, and the division has no
 /// digits. What the box says would otherwise depend on whether a search asks for the box.
 pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<TriangleHit> {
-    let sheared = ShearedRay::new(ray);
-    let [a, b, c] = corners.map(|corner| sheared.apply(corner - ray.ray.origin));
-    let u = c.x * b.y - c.y * b.x;
-    let v = a.x * c.y - a.y * c.x;
-    let w = b.x * a.y - b.y * a.x;
-    let same_side = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-    let determinant = u + v + w;
-    // NaN fails the first condition.
-    if !same_side || determinant == 0.0 {
+    let axes = ShearAxes::of(ray.ray.direction);
+    let line = [ray.ray.origin, ray.ray.direction, ray.inverse_direction].map(|vector| axes.order(vector));
+    let crossing = Crossing::of(line, corners.map(|corner| axes.order(corner)));
+    // NaN is not inside.
+    if !crossing.is_inside {
         return None;
     }
-    let barycentric = [u / determinant, v / determinant, w / determinant];
-    let t = barycentric[0] * a.z + barycentric[1] * b.z + barycentric[2] * c.z;
-    let (near, far) = box_interval(ray, corners)?;
-    let t = t.min(far).max(near);
-    (t > 0.0).then_some(TriangleHit { t, barycentric })
+    let (near, far) = box_interval(ray, corners, 0.0);
+    let hit = crossing.hit(near, far);
+    ((near <= far || grazes_box(ray, corners)) && hit.t > 0.0).then_some(hit)
+}
+
+/// The line of a ray, and a triangle. Without branches, for many rays at once.
+struct Crossing {
+    is_inside: bool,
+    /// Of the three corners.
+    edge_functions: [Real; 3],
+    depths: [Real; 3],
+}
+
+impl Crossing {
+    /// Everything in the order of the ray's [`ShearAxes`].
+    #[inline(always)]
+    fn of([origin, direction, inverse_direction]: [Vector3; 3], [a, b, c]: [Vector3; 3]) -> Self {
+        let shear = Shear::new(direction, inverse_direction);
+        let (a, b, c) = (shear.apply(a - origin), shear.apply(b - origin), shear.apply(c - origin));
+        let u = c.x * b.y - c.y * b.x;
+        let v = a.x * c.y - a.y * c.x;
+        let w = b.x * a.y - b.y * a.x;
+        let same_side = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
+        Self { is_inside: same_side & (u + v + w != 0.0), edge_functions: [u, v, w], depths: [a.z, b.z, c.z] }
+    }
+
+    /// The hit, if it is one, between the places where the line enters and leaves the triangle's box.
+    #[inline(always)]
+    fn hit(&self, near: Real, far: Real) -> TriangleHit {
+        let ([u, v, w], [a, b, c]) = (self.edge_functions, self.depths);
+        let determinant = u + v + w;
+        let barycentric = [u / determinant, v / determinant, w / determinant];
+        let t = barycentric[0] * a + barycentric[1] * b + barycentric[2] * c;
+        TriangleHit { t: t.min(far).max(near), barycentric }
+    }
 }
 
 /// Of the coordinates: moving a corner to the ray's origin and shearing it has 6 u of either.
 const BOX_ROUNDINGS: Real = 32.0;
 
-/// Where the line of the ray enters and leaves the box of three points, if it meets it. Near an edge of the box it may
-/// leave, by rounding, before it enters.
-fn box_interval(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<(Real, Real)> {
-    let [a, b, c] = corners;
+/// Where the line of the ray enters and leaves the box of three points, grown by `margin`. Near an edge of the box it
+/// may leave, by rounding, before it enters.
+#[inline(always)]
+fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Real, Real) {
     let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-    let interval = |margin: Real| {
-        let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
-        for axis in 0..3 {
-            let inverse = ray.inverse_direction[axis];
-            let low = (min[axis] - ray.ray.origin[axis] - margin) * inverse;
-            let high = (max[axis] - ray.ray.origin[axis] + margin) * inverse;
-            let (enter, leave) = if inverse >= 0.0 { (low, high) } else { (high, low) };
-            // `max` and `min` pass over NaN: a ray in the plane of a face.
-            near = near.max(enter);
-            far = far.min(leave);
+    let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
+    for axis in 0..3 {
+        let inverse = ray.inverse_direction[axis];
+        let low = (min[axis] - ray.ray.origin[axis] - margin) * inverse;
+        let high = (max[axis] - ray.ray.origin[axis] + margin) * inverse;
+        let (enter, leave) = if inverse >= 0.0 { (low, high) } else { (high, low) };
+        // `max` and `min` pass over NaN: a ray in the plane of a face.
+        near = near.max(enter);
+        far = far.min(leave);
+    }
+    (near, far)
+}
+
+/// Whether the line of the ray meets the box of three points when rounding is allowed for.
+#[cold]
+fn grazes_box(ray: &PreparedRay, corners: [Vector3; 3]) -> bool {
+    let reach = corners.iter().fold(ray.ray.origin.max_abs(), |reach, corner| reach.max(corner.max_abs()));
+    let (near, far) = box_interval(ray, corners, BOX_ROUNDINGS * ROUNDING * reach);
+    near <= far
+}
+
+/// What many rays hit of one triangle.
+pub struct TriangleHits {
+    pub t: Numbers,
+    pub barycentric: [Numbers; 3],
+    /// 1: a hit, 0: none, -1: to be asked by itself.
+    pub verdict: Numbers,
+}
+
+impl TriangleHits {
+    pub const NONE: Self = Self { t: [0.0; RUN], barycentric: [[0.0; RUN]; 3], verdict: [0.0; RUN] };
+
+    /// [`triangle_hit`] of the rays of a mask, which have these axes.
+    #[inline(always)]
+    pub fn find(&mut self, axes: &ShearAxes, rays: &PreparedRun, mask: u64, corners: [Vector3; 3]) {
+        let ordered = corners.map(|corner| axes.order(corner));
+        let PreparedRun { rays: RayRun { origin, direction }, inverse_direction } = *rays;
+        for number in around(mask) {
+            let line = [origin, direction, inverse_direction];
+            let line = [axes.pick(line[0], number), axes.pick(line[1], number), axes.pick(line[2], number)];
+            let crossing = Crossing::of(line, ordered);
+            let (near, far) = box_interval(&rays.get(number), corners, 0.0);
+            let hit = crossing.hit(near, far);
+            self.t[number] = hit.t;
+            for corner in 0..3 {
+                self.barycentric[corner][number] = hit.barycentric[corner];
+            }
+            let verdict = if hit.t > 0.0 { 1.0 } else { 0.0 };
+            let verdict = if near <= far { verdict } else { -1.0 };
+            self.verdict[number] = if crossing.is_inside { verdict } else { 0.0 };
         }
-        (near, far)
-    };
-    let (near, far) = interval(0.0);
-    let meets = near <= far || {
-        let (near, far) =
-            interval(BOX_ROUNDINGS * ROUNDING * ray.ray.origin.max_abs().max(min.max_abs()).max(max.max_abs()));
-        near <= far
-    };
-    meets.then_some((near, far))
+    }
 }
 
 /// A triangle of the scene file, with a flat normal.

@@ -6,6 +6,7 @@ mod progressive;
 mod rays;
 pub mod robust;
 mod sampling;
+mod surfaces;
 mod tiles;
 pub mod trace;
 

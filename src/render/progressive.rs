@@ -9,11 +9,12 @@ use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::sampling::{SamplePattern, SamplerKind};
-use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead, see_all};
+use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead};
 use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
+use crate::camera::Places;
 use crate::film::{Film, Pixel};
-use crate::objects::Ray;
+use crate::objects::run::Rays;
 use crate::plan::Plan;
 use crate::report::{RayCounts, Sampling};
 use crate::scene::Scene;
@@ -152,17 +153,18 @@ impl Progressive<'_> {
             .filter(|&(index, _, goal)| goal > state.samples[index])
             .collect();
         let mut tracer = Tracer::new(self.scene, self.plan);
-        let (mut rays, mut seen): (Vec<Ray>, Vec<Seen>) = (Vec::new(), Vec::new());
+        let (mut places, mut rays, mut seen) = (Places::default(), Rays::default(), Vec::new());
         let mut waiting = wanted.as_slice();
         while !waiting.is_empty() && !self.is_late() {
-            rays.clear();
+            places.clear();
             let mut taken = 0;
-            while taken < waiting.len() && rays.len() < RAYS_AT_ONCE {
-                let (index, place, goal) = waiting[taken];
-                self.add_rays(place, wave, state.samples[index]..goal, &mut rays);
+            while taken < waiting.len() && places.len() < RAYS_AT_ONCE {
+                let (index, pixel, goal) = waiting[taken];
+                self.add_places(pixel, wave, state.samples[index]..goal, &mut places);
                 taken += 1;
             }
-            see_all(&mut tracer, &rays, &mut seen);
+            self.maker.make_rays(&places, &mut rays);
+            tracer.see(&rays, &mut seen);
             let mut rest = seen.as_slice();
             for &(index, _, goal) in &waiting[..taken] {
                 let added = (goal - state.samples[index]) as usize;
@@ -175,16 +177,15 @@ impl Progressive<'_> {
         state.counts += tracer.counts;
     }
 
-    /// The rays of samples of both halves.
-    fn add_rays(&self, place: (u32, u32), wave: u32, samples: std::ops::Range<u32>, rays: &mut Vec<Ray>) {
+    /// The places of samples of both halves.
+    fn add_places(&self, pixel: (u32, u32), wave: u32, samples: std::ops::Range<u32>, places: &mut Places) {
         // A stratified set is whole or worthless, so every wave begins another one.
         let is_stratified = self.args.measure.sampler == SamplerKind::Stratified;
         let (first_set, samples) = if is_stratified { (2 * wave, 0..samples.len() as u32) } else { (0, samples) };
         let pattern = SamplePattern::new(self.args.measure.sampler, samples.len().max(1) as u32);
         for half in 0..2 {
-            let set = pattern.set(place, first_set + half, self.args.seed);
-            let ray = |sample| self.maker.ray_of_sample(place, &set, sample, self.args.filter);
-            rays.extend(samples.clone().map(ray));
+            let set = pattern.set(pixel, first_set + half, self.args.seed);
+            samples.clone().for_each(|sample| places.push(self.maker.place_of_sample(pixel, &set, sample)));
         }
     }
 
@@ -197,23 +198,22 @@ impl Progressive<'_> {
         self.tiles.par_iter().for_each(|state| {
             let Ok(mut state) = state.lock() else { return };
             let mut tracer = Tracer::new(self.scene, self.plan);
-            let places: Vec<_> = state.tile.places().collect();
-            let mut seen = Vec::new();
-            for places in places.chunks(RAYS_AT_ONCE / PILOT_SAMPLES as usize) {
+            let pixels: Vec<_> = state.tile.places().collect();
+            let (mut places, mut rays, mut seen) = (Places::default(), Rays::default(), Vec::new());
+            for pixels in pixels.chunks(RAYS_AT_ONCE / PILOT_SAMPLES as usize) {
                 if self.is_late() {
                     return;
                 }
-                let rays: Vec<Ray> = places
-                    .iter()
-                    .flat_map(|&place| (0..PILOT_SAMPLES).map(move |sample| (place, sample)))
-                    .map(|(place, sample)| {
-                        let set = pattern.set(place, PILOT_SET, self.args.seed);
-                        self.maker.ray_of_sample(place, &set, sample, self.args.filter)
-                    })
-                    .collect();
+                places.clear();
+                for &pixel in pixels {
+                    let set = pattern.set(pixel, PILOT_SET, self.args.seed);
+                    (0..PILOT_SAMPLES)
+                        .for_each(|sample| places.push(self.maker.place_of_sample(pixel, &set, sample)));
+                }
+                self.maker.make_rays(&places, &mut rays);
                 tracer.see(&rays, &mut seen);
                 let Ok(mut variances) = variances.lock() else { return };
-                for (&(x, row), seen) in places.iter().zip(seen.chunks(PILOT_SAMPLES as usize)) {
+                for (&(x, row), seen) in pixels.iter().zip(seen.chunks(PILOT_SAMPLES as usize)) {
                     variances[row as usize * width + x as usize] = shown_variance(seen);
                 }
             }
@@ -230,14 +230,14 @@ impl Progressive<'_> {
         let rows: Vec<u32> = (0..self.args.height).step_by(step as usize).collect();
         let pattern = SamplePattern::new(SamplerKind::Independent, 1);
         let seen = rows.par_iter().map(|&row| {
-            let places = (0..columns).map(|column| ((column * step + step / 2).min(self.args.width - 1), row));
-            let rays: Vec<Ray> = places
-                .map(|(x, row)| {
-                    let row = (row + step / 2).min(self.args.height - 1);
-                    let set = pattern.set((x, row), PILOT_SET + 1, self.args.seed);
-                    self.maker.ray_of_sample((x, row), &set, 0, self.args.filter)
-                })
-                .collect();
+            let (mut places, mut rays) = (Places::default(), Rays::default());
+            for column in 0..columns {
+                let x = (column * step + step / 2).min(self.args.width - 1);
+                let row = (row + step / 2).min(self.args.height - 1);
+                let set = pattern.set((x, row), PILOT_SET + 1, self.args.seed);
+                places.push(self.maker.place_of_sample((x, row), &set, 0));
+            }
+            self.maker.make_rays(&places, &mut rays);
             let (mut tracer, mut seen) = (Tracer::new(self.scene, self.plan), Vec::new());
             tracer.see(&rays, &mut seen);
             let pixels: Vec<Pixel> = seen.iter().map(|seen| self.maker.displayed(seen).sanitized()).collect();

@@ -2,10 +2,11 @@
 
 use super::sampling::{SamplePattern, SampleSet, SamplerKind};
 use super::trace::Seen;
+use crate::accel::simd::Level;
 use crate::args::RenderArgs;
-use crate::camera::PixelGrid;
+use crate::camera::{CameraRays, PixelGrid, Places};
 use crate::film::Pixel;
-use crate::objects::Ray;
+use crate::objects::run::Rays;
 use crate::scene::Scene;
 use vecmath::Real;
 
@@ -35,6 +36,8 @@ pub struct RayMaker<'a> {
     scene: &'a Scene,
     /// The grid that is traced: three times as fine with `-filter`.
     grid: PixelGrid,
+    is_filtered: bool,
+    level: Level,
     depth_range: (Real, Real),
     /// `None`: one sample in the corner of the pixel.
     patterns: Option<Vec<(u32, SamplePattern)>>,
@@ -53,39 +56,40 @@ impl<'a> RayMaker<'a> {
         Self {
             scene,
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
+            is_filtered: args.filter,
+            level: args.simd,
             depth_range: depth.map_or((0.0, 1.0), |depth| (depth.min as Real, depth.max as Real)),
             patterns: args.jitter.then(|| patterns.collect()),
             seed: args.seed,
         }
     }
 
-    /// Adds the rays of a pixel of the traced grid, set by set.
-    pub fn add_rays(&self, (x, row): (u32, u32), rays: &mut Vec<Ray>) {
+    /// Adds the places of the samples of a pixel of the traced grid, set by set.
+    pub fn add_places(&self, pixel: (u32, u32), places: &mut Places) {
         let Some(patterns) = &self.patterns else {
-            return rays.push(self.ray(x, row, (0.0, 0.0)));
+            return places.push(self.grid.place(pixel, (0.0, 0.0)));
         };
         for (index, (size, pattern)) in patterns.iter().enumerate() {
-            let set = pattern.set((x, row), index as u32, self.seed);
-            rays.extend((0..*size).map(|sample| self.ray(x, row, set.offset(sample))));
+            let set = pattern.set(pixel, index as u32, self.seed);
+            (0..*size).for_each(|sample| places.push(self.grid.place(pixel, set.offset(sample))));
         }
     }
 
-    /// The ray through a place in a pixel of the traced grid.
-    fn ray(&self, x: u32, row: u32, offset: (Real, Real)) -> Ray {
-        let (ndc_x, ndc_y) = self.grid.ndc(x, row, offset.0, offset.1);
-        self.scene.camera.ray(ndc_x, ndc_y)
-    }
-
-    /// The ray of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
+    /// The place of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
     /// falls into the block's pixels as often as the filter weighs them, so that the mean over all samples is the
     /// same as with a mean for each of them, and any number of samples will do.
-    pub fn ray_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32, is_filtered: bool) -> Ray {
+    pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> (Real, Real) {
         let offset = set.offset(sample);
-        if !is_filtered {
-            return self.ray(x, row, offset);
+        if !self.is_filtered {
+            return self.grid.place((x, row), offset);
         }
         let ((column, offset_x), (line, offset_y)) = (weighted_third(offset.0), weighted_third(offset.1));
-        self.ray(3 * x + column, 3 * row + line, (offset_x, offset_y))
+        self.grid.place((3 * x + column, 3 * row + line), (offset_x, offset_y))
+    }
+
+    /// The rays through places.
+    pub fn make_rays(&self, places: &Places, rays: &mut Rays) {
+        self.level.run(CameraRays { camera: &self.scene.camera, grid: self.grid, places, rays });
     }
 
     /// What a ray saw as the pictures show it.

@@ -7,7 +7,7 @@
 //! Tolerances that belong to one object stand beside it, in units of [`ROUNDING`]: boxes in `objects/aabb.rs`,
 //! surfaces in `objects/surface.rs`, placements in `objects/placement.rs`.
 
-use crate::light::{Illumination, Light};
+use crate::light::Light;
 use crate::material::mirrored;
 use crate::objects::{Ray, SurfacePoint};
 use vecmath::{Real, Vector3};
@@ -76,9 +76,8 @@ impl Departure {
     }
 
     /// The starter's ray to a light, but for its distance from the surface.
-    pub fn plain_shadow_ray(&self, illumination: &Illumination) -> (Ray, Real) {
-        let direction = illumination.to_light;
-        (Ray { origin: self.surface.beside(direction), direction }, illumination.distance)
+    pub fn plain_shadow_ray(&self, to_light: Vector3, distance: Real) -> (Ray, Real) {
+        (Ray { origin: self.surface.beside(to_light), direction: to_light }, distance)
     }
 }
 
@@ -113,7 +112,10 @@ mod tests {
             assert_eq!(departure.shadow_ray(&lamp(y)).0.origin, Vector3::new(0.0, 0.625, 0.0));
         }
         let below = lamp(-3.0).illuminate(Vector3::new(0.0, 0.5, 0.0));
-        assert_eq!(departure.plain_shadow_ray(&below).0.origin, Vector3::new(0.0, 0.375, 0.0));
+        assert_eq!(
+            departure.plain_shadow_ray(below.to_light, below.distance).0.origin,
+            Vector3::new(0.0, 0.375, 0.0)
+        );
     }
 
     #[test]

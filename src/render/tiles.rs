@@ -4,9 +4,9 @@ use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::trace::{Seen, Tracer};
 use crate::args::RenderArgs;
-use crate::camera::PixelGrid;
+use crate::camera::{PixelGrid, Places};
 use crate::film::{Film, Pixel, average, filtered};
-use crate::objects::Ray;
+use crate::objects::run::Rays;
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
@@ -81,12 +81,10 @@ pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
     let grid = PixelGrid { width: args.width, height: args.height };
     let pixel = |i: u32, count: u32| (u64::from(i) * u64::from(count - 1) / u64::from(TRIED - 1)) as u32;
     let rays = (0..TRIED * TRIED).map(|i| {
-        let (x, row) = (pixel(i % TRIED, args.width), pixel(i / TRIED, args.height));
-        let (ndc_x, ndc_y) = grid.ndc(x, row, 0.0, 0.0);
-        scene.camera.ray(ndc_x, ndc_y)
+        let pixel = (pixel(i % TRIED, args.width), pixel(i / TRIED, args.height));
+        scene.camera.ray(grid.ndc(grid.place(pixel, (0.0, 0.0))))
     });
-    let rays: Vec<Ray> = rays.collect();
-    cube_map.decode(&Tracer::new(scene, plan).escaping(&rays));
+    cube_map.decode(&Tracer::new(scene, plan).escaping(rays.collect()));
 }
 
 /// A rectangle of pixels.
@@ -125,25 +123,13 @@ struct Sampler<'a> {
     pixel_errors: Vec<f64>,
     filter: Duration,
     /// Rays on their way and what they saw, kept to spare allocations.
-    rays: Vec<Ray>,
+    places: Places,
+    rays: Rays,
     seen: Vec<Seen>,
 }
 
-/// Rays that are traced together: few enough for the processor's nearest cache, many enough to share work.
+/// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
 pub const RAYS_AT_ONCE: usize = 256;
-
-/// [`Tracer::see`] for any number of rays, some at once.
-pub fn see_all(tracer: &mut Tracer, rays: &[Ray], seen: &mut Vec<Seen>) {
-    if rays.len() <= 2 * RAYS_AT_ONCE {
-        return tracer.see(rays, seen);
-    }
-    let mut some = Vec::new();
-    seen.clear();
-    for rays in rays.chunks(RAYS_AT_ONCE) {
-        tracer.see(rays, &mut some);
-        seen.append(&mut some);
-    }
-}
 
 impl<'a> Sampler<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {
@@ -156,7 +142,8 @@ impl<'a> Sampler<'a> {
             errors: ErrorSums::default(),
             pixel_errors: Vec::new(),
             filter: Duration::ZERO,
-            rays: Vec::new(),
+            places: Places::default(),
+            rays: Rays::default(),
             seen: Vec::new(),
         }
     }
@@ -166,27 +153,28 @@ impl<'a> Sampler<'a> {
         let rays_a_pixel = (self.args.grid_pixels() * self.args.samples()) as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         let mut pixels = Vec::with_capacity(places.len());
-        places.chunks(pixels_at_once).for_each(|places| self.pixels(places, &mut pixels));
+        places.chunks(pixels_at_once).for_each(|places| self.resolve(places, &mut pixels));
         pixels
     }
 
-    /// Adds some pixels of the picture to `pixels`.
-    fn pixels(&mut self, places: &[(u32, u32)], pixels: &mut Vec<Pixel>) {
-        self.rays.clear();
-        for &(x, row) in places {
+    /// Adds some pixels of the picture to `resolved`.
+    fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) {
+        self.places.clear();
+        for &(x, row) in pixels {
             if self.args.filter {
-                (0..9).for_each(|place| {
-                    self.maker.add_rays((3 * x + place % 3, 3 * row + place / 3), &mut self.rays)
+                (0..9).for_each(|part| {
+                    self.maker.add_places((3 * x + part % 3, 3 * row + part / 3), &mut self.places);
                 });
             } else {
-                self.maker.add_rays((x, row), &mut self.rays);
+                self.maker.add_places((x, row), &mut self.places);
             }
         }
-        see_all(&mut self.tracer, &self.rays, &mut self.seen);
+        self.maker.make_rays(&self.places, &mut self.rays);
+        self.tracer.see(&self.rays, &mut self.seen);
         let start = self.args.measure.wants_times().then(Instant::now);
-        let rays_a_pixel = self.seen.len() / places.len();
+        let rays_a_pixel = self.seen.len() / pixels.len();
         let seen = std::mem::take(&mut self.seen);
-        pixels.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
+        resolved.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
         self.seen = seen;
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
     }

@@ -1,14 +1,21 @@
-//! What one ray sees: the heart of the program.
+//! What rays see: the heart of the program.
+//!
+//! Rays go in runs of 64. Everything that is computed for each of them is computed for the run, several rays an
+//! instruction; the formulas are those of [`light`](crate::light) and [`material`](crate::material).
 
-use super::robust::{Departure, Epsilon, shadow_limit};
-use crate::accel::Hit;
-use crate::light::Illumination;
-use crate::material::mirrored;
+use super::robust::{Departure, Epsilon};
+use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
+use crate::light::Light;
+use crate::material::is_mirror;
 use crate::objects::Ray;
+use crate::objects::run::{HitRun, Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
 use vecmath::{Real, Vector3};
+
+/// So many runs of camera rays are followed together: their mirror rays fill runs of their own.
+const RUNS_AT_ONCE: usize = 4;
 
 /// What a camera ray saw.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,7 +24,7 @@ pub struct Seen {
     pub color: Vector3,
     /// Distance of the nearest hit.
     pub depth: Option<Real>,
-    /// Normal at the nearest hit, zero without one.
+    /// Normal at the nearest hit, zero without one or unless a picture needs it.
     pub normal: Vector3,
 }
 
@@ -30,43 +37,39 @@ pub struct Tracer<'a> {
     /// How far along themselves shadow and mirror rays start, if that is how they do.
     epsilon: Real,
     pub counts: RayCounts,
-    batch: Batch,
+    room: Box<Room>,
+    /// Those to be followed next.
+    mirror_rays: MirrorRays,
+    /// Room for others.
+    spare: MirrorRays,
 }
 
-/// The rays that are followed together, and what is known of them. Kept to spare allocations.
-#[derive(Default)]
-struct Batch {
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
-    paths: Vec<Path>,
-    surfaces: Vec<Surface>,
-    /// One a surface, where rays start just off it; none where they start at a fixed distance.
+/// Room for what is known of a run of rays, kept to spare setting it up for each.
+struct Room {
+    hits: HitRun,
+    surfaces: Surfaces,
+    /// One for each ray that has hit something, in order, where rays start just off a surface; none where they start at
+    /// a fixed distance.
     departures: Vec<Departure>,
-    shadow_rays: Vec<Ray>,
+    lit: Lit,
+    shadow_rays: RayRun,
     /// How far each shadow ray goes.
-    distances: Vec<Real>,
-    /// For each shadow ray: the surface, and what the light adds to it if nothing is in the way.
-    shadowed: Vec<(usize, Vector3)>,
-    blocked: Vec<bool>,
+    distances: Numbers,
+    background: Vectors,
+    paths: Option<Box<Paths>>,
 }
 
-/// What has been gathered on the way from the camera, and what further light counts.
-struct Path {
-    camera_ray: usize,
-    color: Vector3,
-    weight: Vector3,
+/// What has been gathered on the way from the camera.
+#[derive(Clone)]
+struct Paths {
+    camera_ray: [u32; RUN],
+    color: Vectors,
+    /// What further light counts.
+    weight: Vectors,
 }
 
-/// A point that is being shaded.
-struct Surface {
-    point: Vector3,
-    normal: Vector3,
-    /// The mirrored ray direction.
-    reflected: Vector3,
-    material: u32,
-    /// Light that the surface sends back along the ray, mirrors aside.
-    color: Vector3,
-}
+/// Mirror rays that have passed as many mirrors as each other.
+type MirrorRays = Runs<(RayRun, Paths)>;
 
 impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, plan: &'a Plan) -> Self {
@@ -75,125 +78,163 @@ impl<'a> Tracer<'a> {
             Epsilon::Along(epsilon) => epsilon as Real,
             Epsilon::Auto => 0.0,
         };
-        Self { scene, plan, weights_never_grow, epsilon, counts: RayCounts::default(), batch: Batch::default() }
+        let counts = RayCounts::default();
+        Self {
+            scene,
+            plan,
+            weights_never_grow,
+            epsilon,
+            counts,
+            room: Box::default(),
+            mirror_rays: Runs::default(),
+            spare: Runs::default(),
+        }
     }
 
     /// What rays from the camera see, one entry of `seen` for each. Rays that lie side by side are best asked about
     /// together.
-    pub fn see(&mut self, rays: &[Ray], seen: &mut Vec<Seen>) {
-        self.counts.camera += rays.len() as u64;
-        let mut batch = std::mem::take(&mut self.batch);
-        batch.rays.clear();
-        batch.rays.extend_from_slice(rays);
-        self.closest_hits(&batch.rays, &mut batch.hits);
-        seen.clear();
-        for (ray, hit) in rays.iter().zip(&batch.hits) {
-            let normal = hit.as_ref().filter(|_| self.plan.normals).map(|hit| self.normal(ray, hit));
-            let depth = hit.as_ref().map(|hit| hit.at.t);
-            seen.push(Seen { depth, normal: normal.unwrap_or_default(), ..Seen::default() });
-        }
-        if self.plan.color {
-            self.see_colors(&mut batch, seen);
-        }
-        self.batch = batch;
-    }
-
-    /// The directions in which rays from the camera leave the scene, at once or after a few mirrors.
-    pub fn escaping(&self, rays: &[Ray]) -> Vec<Vector3> {
-        const MIRRORS: u32 = 4;
-        let (mut rays, mut hits, mut escaped) = (rays.to_vec(), Vec::new(), Vec::new());
-        for _ in 0..=self.plan.bounces.min(MIRRORS) {
-            self.closest_hits(&rays, &mut hits);
-            let onward = rays.iter().zip(&hits).filter_map(|(ray, hit)| {
-                let Some(hit) = hit else {
-                    escaped.push(ray.direction);
-                    return None;
-                };
-                let object = &self.scene.objects[hit.object as usize];
-                let reflected = mirrored(ray.direction, self.normal(ray, hit));
-                let origin = ray.at(hit.at.t) + reflected * self.epsilon;
-                let is_mirror = self.scene.materials[object.material as usize].is_mirror();
-                is_mirror.then_some(Ray { origin, direction: reflected })
-            });
-            rays = onward.collect();
-        }
-        escaped
-    }
-
-    /// The colours of rays whose nearest hits are known, mirrors included.
     ///
     /// The recursion of the course, written as a loop with running weights: as deep as `-bounces` asks for without
     /// growing the stack, and all rays take each step together.
-    fn see_colors(&mut self, batch: &mut Batch, seen: &mut [Seen]) {
-        let start = |camera_ray| Path { camera_ray, color: Vector3::ZERO, weight: Vector3::splat(1.0) };
-        batch.paths.clear();
-        batch.paths.extend((0..batch.rays.len()).map(start));
-        let mut bounces = self.plan.bounces;
-        loop {
-            self.find_surfaces(batch, seen);
-            self.shade(batch);
-            let last = bounces == 0;
-            bounces = bounces.saturating_sub(1);
-            batch.rays.clear();
-            let mut surfaces = batch.surfaces.iter().enumerate();
-            batch.paths.retain_mut(|path| {
-                // There is a surface for every path.
-                let Some((index, surface)) = surfaces.next() else { return false };
-                let material = &self.scene.materials[surface.material as usize];
-                path.color += path.weight.scaled_by(surface.color);
-                let mut goes_on = !last && material.is_mirror();
-                if goes_on {
-                    path.weight = path.weight.scaled_by(material.specular);
-                    goes_on = !self.no_longer_matters(path.color, path.weight, bounces);
+    pub fn see(&mut self, rays: &Rays, seen: &mut Vec<Seen>) {
+        self.counts.camera += rays.len() as u64;
+        seen.clear();
+        for (index, (rays, mask)) in rays.runs().enumerate() {
+            let hit = self.find_hits(rays, mask);
+            let camera_ray = seen.len();
+            self.record(mask, hit, seen);
+            if self.plan.color {
+                let mut paths = self.room.paths.take().unwrap_or_else(|| Box::new(Paths::NONE));
+                paths.start(camera_ray);
+                self.follow(rays, mask, hit, &mut paths, self.plan.bounces, seen);
+                self.room.paths = Some(paths);
+                if index % RUNS_AT_ONCE == RUNS_AT_ONCE - 1 {
+                    self.follow_mirror_rays(seen);
                 }
-                if goes_on {
-                    batch.rays.push(match batch.departures.get(index) {
-                        Some(departure) => departure.mirror_ray(surface.reflected, self.plan.robust),
-                        None => surface.mirror_ray(self.epsilon),
-                    });
-                } else {
-                    seen[path.camera_ray].color = path.color;
-                }
-                goes_on
-            });
-            if batch.paths.is_empty() {
-                return;
             }
-            self.counts.mirror += batch.rays.len() as u64;
-            self.closest_hits(&batch.rays, &mut batch.hits);
+        }
+        self.follow_mirror_rays(seen);
+    }
+
+    /// Follows all paths that have passed one mirror to their ends.
+    fn follow_mirror_rays(&mut self, seen: &mut [Seen]) {
+        let mut bounces = self.plan.bounces;
+        let mut current = std::mem::take(&mut self.spare);
+        while !self.mirror_rays.is_empty() {
+            bounces -= 1;
+            self.counts.mirror += self.mirror_rays.len() as u64;
+            std::mem::swap(&mut current, &mut self.mirror_rays);
+            self.mirror_rays.clear();
+            for ((rays, paths), mask) in current.runs_mut() {
+                let hit = self.find_hits(rays, mask);
+                self.follow(rays, mask, hit, paths, bounces, seen);
+            }
+        }
+        self.spare = current;
+    }
+
+    /// Finds what the rays of a mask hit, and the normals there. The output are those that hit anything.
+    fn find_hits(&mut self, rays: &RayRun, mask: u64) -> u64 {
+        let scene = self.scene;
+        let Room { hits, surfaces, .. } = &mut *self.room;
+        scene.accelerator.closest_hits(&scene.objects, &scene.meshes, rays, mask, hits);
+        let mut hit = 0;
+        for number in numbers_in(mask) {
+            hit |= u64::from(hits.object[number] != HitRun::NOTHING) << number;
+        }
+        if self.plan.color || self.plan.normals {
+            for number in numbers_in(hit) {
+                let object = &scene.objects[hits.object[number] as usize];
+                let normal = object.normal(&scene.meshes, &rays.get(number), &hits.at.get(number));
+                surfaces.normal.set(number, normal);
+                surfaces.set_material(number, &scene.materials[object.material as usize]);
+            }
+        }
+        hit
+    }
+
+    /// Notes what pictures of depths and normals show of the rays of a mask.
+    fn record(&self, mask: u64, hit: u64, seen: &mut Vec<Seen>) {
+        let Room { hits, surfaces, .. } = &*self.room;
+        for number in numbers_in(mask) {
+            let mut what = Seen::default();
+            if hit >> number & 1 == 1 {
+                what.depth = Some(hits.at.t[number]);
+                if self.plan.normals {
+                    what.normal = surfaces.normal.get(number);
+                }
+            }
+            seen.push(what);
         }
     }
 
-    /// Ends the paths that leave the scene, and finds out where the other ones are.
-    fn find_surfaces(&self, batch: &mut Batch, seen: &mut [Seen]) {
-        let Batch { rays, hits, paths, surfaces, departures, .. } = batch;
-        surfaces.clear();
-        departures.clear();
-        let mut rays_and_hits = rays.iter().zip(hits);
-        paths.retain(|path| {
-            // There is a ray for every path.
-            let Some((ray, hit)) = rays_and_hits.next() else { return false };
-            let Some(hit) = hit else {
-                seen[path.camera_ray].color = path.color + path.weight.scaled_by(self.background(ray));
-                return false;
-            };
-            let normal = self.normal(ray, hit);
-            let mut point = ray.at(hit.at.t);
-            if self.plan.epsilon == Epsilon::Auto {
-                let object = &self.scene.objects[hit.object as usize];
-                let surface = object.surface_point(&self.scene.meshes, ray, &hit.at);
-                point = surface.point;
-                departures.push(Departure::new(ray, surface));
+    /// Follows paths that have gone on along the rays of a mask, of which some have `hit` something: to the background,
+    /// where they end, or to a surface, where they end unless it is a mirror and may still matter.
+    fn follow(&mut self, rays: &RayRun, mask: u64, hit: u64, paths: &mut Paths, bounces: u32, seen: &mut [Seen]) {
+        self.leave(rays, mask & !hit, paths, seen);
+        if hit == 0 {
+            return;
+        }
+        self.arrive(rays, hit);
+        self.shade(hit);
+        let Room { surfaces, departures, .. } = &*self.room;
+        let Paths { color, weight, .. } = paths;
+        self.plan.simd.run(Gather { ambient: self.scene.ambient_light, surfaces, mask: hit, weight, color });
+        let mut departures = departures.iter();
+        for number in numbers_in(hit) {
+            let departure = departures.next();
+            let color = paths.color.get(number);
+            let mut goes_on = bounces > 0 && is_mirror(surfaces.specular.get(number));
+            let weight = paths.weight.get(number).scaled_by(surfaces.specular.get(number));
+            goes_on = goes_on && !self.no_longer_matters(color, weight, bounces - 1);
+            if !goes_on {
+                seen[paths.camera_ray[number] as usize].color = color;
+                continue;
             }
-            surfaces.push(Surface {
-                point,
-                normal,
-                reflected: mirrored(ray.direction, normal),
-                material: self.scene.objects[hit.object as usize].material,
-                color: Vector3::ZERO,
-            });
-            true
-        });
+            let direction = surfaces.reflected.get(number);
+            let ray = match departure {
+                Some(departure) => departure.mirror_ray(direction, self.plan.robust),
+                None => Ray { origin: surfaces.point.get(number) + direction * self.epsilon, direction },
+            };
+            let ((next_rays, next_paths), place) = self.mirror_rays.add();
+            next_rays.set(place, ray);
+            next_paths.camera_ray[place] = paths.camera_ray[number];
+            next_paths.color.set(place, color);
+            next_paths.weight.set(place, weight);
+        }
+    }
+
+    /// Ends the paths of rays that leave the scene.
+    fn leave(&mut self, rays: &RayRun, mask: u64, paths: &Paths, seen: &mut [Seen]) {
+        let background = &self.scene.background;
+        if mask == 0 {
+            return;
+        }
+        let colors = &mut self.room.background;
+        if let Some(cube_map) = &background.cube_map {
+            cube_map.colors(self.plan.simd, &rays.direction, mask, colors);
+        }
+        for number in numbers_in(mask) {
+            let light = if background.cube_map.is_some() { colors.get(number) } else { background.color };
+            let color = paths.color.get(number) + paths.weight.get(number).scaled_by(light);
+            seen[paths.camera_ray[number] as usize].color = color;
+        }
+    }
+
+    /// Finds out where on surfaces rays have arrived.
+    fn arrive(&mut self, rays: &RayRun, hit: u64) {
+        let Room { hits, surfaces, departures, .. } = &mut *self.room;
+        departures.clear();
+        if self.plan.epsilon != Epsilon::Auto {
+            return self.plan.simd.run(Arrive { rays, mask: hit, t: Some(&hits.at.t), surfaces });
+        }
+        for number in numbers_in(hit) {
+            let (ray, object) = (rays.get(number), &self.scene.objects[hits.object[number] as usize]);
+            let surface = object.surface_point(&self.scene.meshes, &ray, &hits.at.get(number));
+            surfaces.point.set(number, surface.point);
+            departures.push(Departure::new(&ray, surface));
+        }
+        self.plan.simd.run(Arrive { rays, mask: hit, t: None, surfaces });
     }
 
     /// Whether everything that can still be added to `color` leaves every bit of it as it is.
@@ -208,80 +249,94 @@ impl<'a> Tracer<'a> {
         self.weights_never_grow && (0..3).all(|c| color[c] + weight[c].abs() * rest == color[c])
     }
 
-    /// Adds up the light that surfaces send back along their rays, mirrors aside.
-    fn shade(&mut self, batch: &mut Batch) {
+    /// Adds up the light that the surfaces of a mask send back along their rays, mirrors aside.
+    fn shade(&mut self, mask: u64) {
+        for light in &self.scene.lights {
+            let Room { surfaces, lit, .. } = &mut *self.room;
+            let mut added = self.plan.simd.run(Illuminate { light, surfaces, mask, lit });
+            if self.plan.shadows {
+                // Blocked or not, a light that adds nothing adds nothing.
+                self.counts.shadow_left_out += u64::from((mask & !added).count_ones());
+                self.counts.shadow += u64::from(added.count_ones());
+                added &= !self.blocked(light, mask, added);
+            }
+            let Room { surfaces, lit, .. } = &mut *self.room;
+            self.plan.simd.run(AddLight { lit, mask: added, surfaces });
+        }
+    }
+
+    /// Those surfaces of `asking`, a part of `mask`, that something keeps a light from.
+    fn blocked(&mut self, light: &Light, mask: u64, asking: u64) -> u64 {
+        if asking == 0 {
+            return 0;
+        }
+        let Room { surfaces, departures, lit, shadow_rays, distances, .. } = &mut *self.room;
+        let (epsilon, robust) = (self.epsilon, self.plan.robust);
+        if self.plan.epsilon != Epsilon::Auto {
+            let (rays, t_max) = (&mut *shadow_rays, &mut *distances);
+            self.plan.simd.run(ShadowRays { surfaces, lit, mask: asking, epsilon, robust, rays, t_max });
+        }
+        for (number, departure) in numbers_in(mask).zip(departures.iter()) {
+            let (ray, distance) = match robust {
+                true => departure.shadow_ray(light),
+                false => departure.plain_shadow_ray(lit.to_light.get(number), lit.distance[number]),
+            };
+            shadow_rays.set(number, ray);
+            distances[number] = distance;
+        }
         let scene = self.scene;
-        for light in &scene.lights {
-            batch.shadow_rays.clear();
-            batch.distances.clear();
-            batch.shadowed.clear();
-            for (index, surface) in batch.surfaces.iter_mut().enumerate() {
-                let illumination = light.illuminate(surface.point);
-                let material = &scene.materials[surface.material as usize];
-                let added = material.phong(&illumination, surface.normal, surface.reflected);
-                if added == Vector3::ZERO {
-                    // Blocked or not, this light adds nothing.
-                    self.counts.shadow_left_out += u64::from(self.plan.shadows);
-                } else if self.plan.shadows {
-                    let (ray, distance) = match (batch.departures.get(index), self.plan.robust) {
-                        (Some(departure), true) => departure.shadow_ray(light),
-                        (Some(departure), false) => departure.plain_shadow_ray(&illumination),
-                        (None, robust) => shadow_ray(surface.point, &illumination, self.epsilon, robust),
-                    };
-                    batch.shadow_rays.push(ray);
-                    batch.distances.push(distance);
-                    batch.shadowed.push((index, added));
-                } else {
-                    surface.color += added;
+        scene.accelerator.any_hits(&scene.objects, &scene.meshes, shadow_rays, asking, distances)
+    }
+
+    /// The directions in which rays from the camera leave the scene, at once or after a few mirrors.
+    pub fn escaping(&mut self, rays: Rays) -> Vec<Vector3> {
+        const MIRRORS: u32 = 4;
+        let (mut rays, mut escaped) = (rays, Vec::new());
+        for _ in 0..=self.plan.bounces.min(MIRRORS) {
+            let mut onward = Rays::default();
+            for (run, mask) in rays.runs() {
+                let hit = self.find_hits(run, mask);
+                self.arrive(run, hit);
+                escaped.extend(numbers_in(mask & !hit).map(|number| run.direction.get(number)));
+                let surfaces = &self.room.surfaces;
+                for number in numbers_in(hit).filter(|&number| is_mirror(surfaces.specular.get(number))) {
+                    let direction = surfaces.reflected.get(number);
+                    onward.push(Ray { origin: surfaces.point.get(number) + direction * self.epsilon, direction });
                 }
             }
-            if batch.shadow_rays.is_empty() {
-                continue;
-            }
-            self.counts.shadow += batch.shadow_rays.len() as u64;
-            let Batch { shadow_rays, distances, blocked, .. } = &mut *batch;
-            scene.accelerator.any_hits(&scene.objects, &scene.meshes, shadow_rays, distances, blocked);
-            for (&(index, added), blocked) in batch.shadowed.iter().zip(&batch.blocked) {
-                if !blocked {
-                    batch.surfaces[index].color += added;
-                }
-            }
+            rays = onward;
         }
-        for surface in &mut batch.surfaces {
-            let material = &scene.materials[surface.material as usize];
-            surface.color += scene.ambient_light.scaled_by(material.diffuse);
-        }
+        escaped
     }
+}
 
-    fn closest_hits(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
-        self.scene.accelerator.closest_hits(&self.scene.objects, &self.scene.meshes, rays, hits);
-    }
+impl Paths {
+    const NONE: Self = Self { camera_ray: [0; RUN], color: Vectors::ZERO, weight: Vectors([[1.0; RUN]; 3]) };
 
-    fn normal(&self, ray: &Ray, hit: &Hit) -> Vector3 {
-        self.scene.objects[hit.object as usize].normal(&self.scene.meshes, ray, &hit.at)
-    }
-
-    fn background(&self, ray: &Ray) -> Vector3 {
-        match &self.scene.background.cube_map {
-            Some(cube_map) => cube_map.color(ray.direction),
-            None => self.scene.background.color,
+    /// Begins paths, the first one for this camera ray, the others for those after it.
+    fn start(&mut self, camera_ray: usize) {
+        *self = Self::NONE;
+        for (number, place) in self.camera_ray.iter_mut().enumerate() {
+            *place = (camera_ray + number) as u32;
         }
     }
 }
 
-impl Surface {
-    /// The mirror ray that starts `epsilon` along itself.
-    fn mirror_ray(&self, epsilon: Real) -> Ray {
-        Ray { origin: self.point + self.reflected * epsilon, direction: self.reflected }
-    }
+impl Lanewise for (RayRun, Paths) {
+    const NONE: Self = (RayRun::NONE, Paths::NONE);
 }
 
-/// The ray from a point to a light that starts `epsilon` along itself, and how far it goes. The distance is measured
-/// from the moved origin, as in the starter: something up to one offset behind the light blocks it too, unless with
-/// `-robust`.
-fn shadow_ray(point: Vector3, illumination: &Illumination, epsilon: Real, robust: bool) -> (Ray, Real) {
-    let direction = illumination.to_light;
-    let origin = point + direction * epsilon;
-    let distance = illumination.distance;
-    (Ray { origin, direction }, if robust { shadow_limit(origin, distance - epsilon) } else { distance })
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            hits: HitRun::NONE,
+            surfaces: Surfaces::NONE,
+            departures: Vec::new(),
+            lit: Lit::NONE,
+            shadow_rays: RayRun::NONE,
+            distances: [0.0; RUN],
+            background: Vectors::ZERO,
+            paths: None,
+        }
+    }
 }

@@ -159,7 +159,7 @@ impl Studio {
 
     pub fn seen(&self, ray: &Ray) -> Seen {
         let mut seen = Vec::new();
-        Tracer::new(&self.scene, &self.plan).see(&[*ray], &mut seen);
+        Tracer::new(&self.scene, &self.plan).see(&[*ray].into_iter().collect(), &mut seen);
         seen[0]
     }
 

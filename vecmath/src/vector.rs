@@ -11,67 +11,80 @@ macro_rules! componentwise {
             pub const ZERO: Self = Self { $($c: 0.0),+ };
 
             /// A vector of these components.
+            #[inline]
             pub const fn new($($c: Real),+) -> Self {
                 Self { $($c),+ }
             }
 
             /// Every component equal to `value`.
+            #[inline]
             pub const fn splat(value: Real) -> Self {
                 Self { $($c: value),+ }
             }
 
             /// The components in order.
+            #[inline]
             pub const fn to_array(self) -> [Real; $n] {
                 [$(self.$c),+]
             }
 
             /// The scalar product.
+            #[inline]
             pub fn dot(self, other: Self) -> Real {
                 0.0 $(+ self.$c * other.$c)+
             }
 
             /// The squared Euclidean length.
+            #[inline]
             pub fn length_squared(self) -> Real {
                 self.dot(self)
             }
 
             /// The Euclidean length.
+            #[inline]
             pub fn length(self) -> Real {
                 self.length_squared().sqrt()
             }
 
             /// The largest absolute component; NaN components are passed over.
+            #[inline]
             pub fn max_abs(self) -> Real {
                 (0.0 as Real)$(.max(self.$c.abs()))+
             }
 
             /// Whether no component is infinite or NaN.
+            #[inline]
             pub fn is_finite(self) -> bool {
                 true $(&& self.$c.is_finite())+
             }
 
             /// The component-wise product (of two colours, say).
+            #[inline]
             pub fn scaled_by(self, other: Self) -> Self {
                 Self { $($c: self.$c * other.$c),+ }
             }
 
             /// The component-wise minimum.
+            #[inline]
             pub fn min(self, other: Self) -> Self {
                 Self { $($c: self.$c.min(other.$c)),+ }
             }
 
             /// The component-wise maximum.
+            #[inline]
             pub fn max(self, other: Self) -> Self {
                 Self { $($c: self.$c.max(other.$c)),+ }
             }
 
             /// `f` of every component.
+            #[inline]
             pub fn map(self, f: impl Fn(Real) -> Real) -> Self {
                 Self { $($c: f(self.$c)),+ }
             }
         }
 
         impl From<[Real; $n]> for $Vector {
+            #[inline]
             fn from(array: [Real; $n]) -> Self {
                 Self { $($c: array[$i]),+ }
             }
@@ -79,6 +92,8 @@ macro_rules! componentwise {
 
         impl Index<usize> for $Vector {
             type Output = Real;
+
+            #[inline]
 
             fn index(&self, axis: usize) -> &Real {
                 match axis {
@@ -90,12 +105,14 @@ macro_rules! componentwise {
 
         impl Add for $Vector {
             type Output = Self;
+            #[inline]
             fn add(self, other: Self) -> Self {
                 Self { $($c: self.$c + other.$c),+ }
             }
         }
 
         impl AddAssign for $Vector {
+            #[inline]
             fn add_assign(&mut self, other: Self) {
                 *self = *self + other;
             }
@@ -103,6 +120,7 @@ macro_rules! componentwise {
 
         impl Sub for $Vector {
             type Output = Self;
+            #[inline]
             fn sub(self, other: Self) -> Self {
                 Self { $($c: self.$c - other.$c),+ }
             }
@@ -110,6 +128,7 @@ macro_rules! componentwise {
 
         impl Neg for $Vector {
             type Output = Self;
+            #[inline]
             fn neg(self) -> Self {
                 Self { $($c: -self.$c),+ }
             }
@@ -117,6 +136,7 @@ macro_rules! componentwise {
 
         impl Mul<Real> for $Vector {
             type Output = Self;
+            #[inline]
             fn mul(self, factor: Real) -> Self {
                 Self { $($c: self.$c * factor),+ }
             }
@@ -124,12 +144,14 @@ macro_rules! componentwise {
 
         impl Mul<$Vector> for Real {
             type Output = $Vector;
+            #[inline]
             fn mul(self, vector: $Vector) -> $Vector {
                 vector * self
             }
         }
 
         impl MulAssign<Real> for $Vector {
+            #[inline]
             fn mul_assign(&mut self, factor: Real) {
                 *self = *self * factor;
             }
@@ -137,6 +159,7 @@ macro_rules! componentwise {
 
         impl Div<Real> for $Vector {
             type Output = Self;
+            #[inline]
             fn div(self, divisor: Real) -> Self {
                 Self { $($c: self.$c / divisor),+ }
             }
@@ -174,6 +197,7 @@ componentwise!(Vector4, 4, x = 0, y = 1, z = 2, w = 3);
 
 impl Vector3 {
     /// The vector product, by the right-hand rule.
+    #[inline]
     pub fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
@@ -195,13 +219,20 @@ impl Vector3 {
     }
 
     /// The unit vector of the same direction; zero stays zero.
+    #[inline]
     pub fn normalized(self) -> Self {
-        let length_squared = self.length_squared();
-        // The usual case needs no scaling: neither the squares nor their sum leave the normal range.
-        if length_squared > Real::MIN_POSITIVE * 1e8 && length_squared < Real::MAX {
-            return self / length_squared.sqrt();
+        match self.is_usual() {
+            true => self / self.length(),
+            false => self.try_normalized().unwrap_or(Self::ZERO),
         }
-        self.try_normalized().unwrap_or(Self::ZERO)
+    }
+
+    /// Whether neither the squares of the components nor their sum leave the normal range: the vector can be
+    /// normalised without being scaled.
+    #[inline(always)]
+    pub fn is_usual(self) -> bool {
+        let length_squared = self.length_squared();
+        (length_squared > Real::MIN_POSITIVE * 1e8) & (length_squared < Real::MAX)
     }
 }
 

@@ -118,6 +118,22 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u32) -> __m256 {
+        // SAFETY: the processor has AVX2 and FMA.
+        unsafe {
+            let bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let here = _mm256_and_si256(_mm256_set1_epi32(bits as i32), bit);
+            _mm256_castsi256_ps(_mm256_cmpeq_epi32(here, bit))
+        }
+    }
+
+    #[inline(always)]
+    fn select(self, mask: __m256, a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the processor has AVX2 and FMA.
+        unsafe { _mm256_blendv_ps(b, a, mask) }
+    }
+
+    #[inline(always)]
     fn bits(self, mask: __m256) -> u32 {
         // SAFETY: the processor has AVX2 and FMA.
         unsafe { _mm256_movemask_ps(mask) as u32 }

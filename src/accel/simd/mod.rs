@@ -45,6 +45,10 @@ pub trait Lanes: Copy + Send + Sync {
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
     fn and(self, a: Self::M, b: Self::M) -> Self::M;
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// The lanes whose bits are set.
+    fn mask(self, bits: u32) -> Self::M;
+    /// `a` where the mask says yes, `b` elsewhere.
+    fn select(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// Bit i is lane i's yes.
     fn bits(self, mask: Self::M) -> u32;
     /// Runs a task compiled for this level.
@@ -136,6 +140,7 @@ mod tests {
                 l.max(a, b),
                 l.abs(a),
                 l.negated_by(a, b),
+                l.select(l.mask(0b0101_1010), a, b),
             ];
             for result in results {
                 let mut eight = [0.0; WIDTH];

@@ -92,6 +92,16 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        from_fn(|i| bits >> i & 1 == 1)
+    }
+
+    #[inline(always)]
+    fn select(self, mask: Self::M, a: Eight, b: Eight) -> Eight {
+        from_fn(|i| if mask[i] { a[i] } else { b[i] })
+    }
+
+    #[inline(always)]
     fn bits(self, mask: Self::M) -> u32 {
         mask.iter().enumerate().fold(0, |bits, (i, &yes)| bits | u32::from(yes) << i)
     }

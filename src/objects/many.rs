@@ -1,0 +1,261 @@
+//! What many rays hit of one object: the definitions of [`Object`], asked for the rays of a run at once.
+
+use super::run::{
+    HitRun, Numbers, Prepare, PreparedRun, RUN, RayRun, SurfaceRun, Vectors, WorldRun, around, numbers_in,
+};
+use super::{Aabb, Mesh, NO_TRIANGLE, Object, ObjectHit, Placement, Plane, Shape, Sphere, TriangleHits};
+use crate::accel::kept::Kept;
+use crate::accel::simd::{Lanes, Level, Task};
+use vecmath::Real;
+
+/// What a thread needs room for while it asks an object.
+struct Scratch {
+    /// Rays in object space.
+    rays: RayRun,
+    inverse_direction: Vectors,
+    /// Places where rays meet a sphere or a plane.
+    t: Numbers,
+    in_mesh: SurfaceRun,
+    triangle_hits: TriangleHits,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        let HitRun { at: in_mesh, .. } = HitRun::NONE;
+        Self {
+            rays: RayRun::NONE,
+            inverse_direction: Vectors::ZERO,
+            t: [0.0; RUN],
+            in_mesh,
+            triangle_hits: TriangleHits::NONE,
+        }
+    }
+}
+
+thread_local! {
+    static SCRATCH: Kept<Scratch> = const { Kept::new(None) };
+}
+
+impl Object {
+    /// Replaces the nearest hits of the rays of a mask where those of this object, which has this `index`, are nearer.
+    pub fn closest_hits(
+        &self,
+        index: u32,
+        meshes: &[Mesh],
+        level: Level,
+        world: &mut WorldRun,
+        mask: u64,
+        hits: &mut HitRun,
+    ) {
+        let mut scratch = SCRATCH.take().unwrap_or_default();
+        match &self.shape {
+            Shape::Mesh(mesh) => {
+                let Scratch { rays, inverse_direction, in_mesh, triangle_hits, .. } = &mut *scratch;
+                for number in numbers_in(mask) {
+                    in_mesh.t[number] = hits.limit(number, index);
+                }
+                let mesh = &meshes[*mesh as usize];
+                let rays = self.prepared(level, world, mask, rays, inverse_direction);
+                mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
+                for number in numbers_in(mask) {
+                    if in_mesh.triangle[number] == NO_TRIANGLE {
+                        continue;
+                    }
+                    let limit = hits.limit(number, index);
+                    let Some(near) = self.entry(&world.prepared(level).get(number), limit) else { continue };
+                    let hit = in_mesh.get(number);
+                    let t = hit.t.max(near);
+                    if t < limit {
+                        hits.object[number] = index;
+                        hits.at.set(number, ObjectHit { t, ..hit });
+                    }
+                }
+            }
+            Shape::Triangle(_) => {
+                let prepared = world.prepared(level);
+                for number in numbers_in(mask) {
+                    if let Some(hit) = self.closest_hit(meshes, &prepared.get(number), hits.limit(number, index)) {
+                        hits.object[number] = index;
+                        hits.at.set(number, hit);
+                    }
+                }
+            }
+            Shape::Sphere(_) | Shape::Plane(_) => {
+                let Scratch { rays, t, .. } = &mut *scratch;
+                self.distances(level, world, mask, &hits.at.t, rays, t);
+                level.run(KeepNearest { index, mask, t, hits });
+            }
+        }
+        SCRATCH.set(Some(scratch));
+    }
+
+    /// Those rays of a mask that hit this object at a t up to and including their `t_max`.
+    pub fn any_hits(
+        &self,
+        meshes: &[Mesh],
+        level: Level,
+        world: &mut WorldRun,
+        mask: u64,
+        t_max: &Numbers,
+    ) -> u64 {
+        let mut scratch = SCRATCH.take().unwrap_or_default();
+        let Scratch { rays, inverse_direction, t, triangle_hits, .. } = &mut *scratch;
+        let mut found = 0;
+        match &self.shape {
+            Shape::Mesh(mesh) => {
+                let mesh = &meshes[*mesh as usize];
+                let rays = self.prepared(level, world, mask, rays, inverse_direction);
+                let met = mesh.any_hits(rays, mask, triangle_hits, t_max);
+                for number in numbers_in(met) {
+                    let near = self.entry(&world.prepared(level).get(number), t_max[number]);
+                    found |= u64::from(near.is_some()) << number;
+                }
+            }
+            Shape::Triangle(_) => {
+                let prepared = world.prepared(level);
+                for number in numbers_in(mask) {
+                    found |= u64::from(self.any_hit(meshes, &prepared.get(number), t_max[number])) << number;
+                }
+            }
+            Shape::Sphere(_) | Shape::Plane(_) => {
+                self.distances(level, world, mask, t_max, rays, t);
+                for number in numbers_in(mask) {
+                    found |= u64::from(t[number] <= t_max[number]) << number;
+                }
+            }
+        }
+        SCRATCH.set(Some(scratch));
+        found
+    }
+
+    /// The rays of a mask in object space; `rays` and `inverse_direction` are room for them.
+    fn prepared<'a>(
+        &self,
+        level: Level,
+        world: &'a mut WorldRun,
+        mask: u64,
+        rays: &'a mut RayRun,
+        inverse_direction: &'a mut Vectors,
+    ) -> PreparedRun<'a> {
+        let Some(placement) = &self.placement else { return world.prepared(level) };
+        level.run(ToObject { placement, world: world.rays(), mask, rays });
+        level.run(Prepare { rays, mask, inverse_direction });
+        PreparedRun { rays, inverse_direction }
+    }
+
+    /// The places where rays of a mask meet this sphere or plane, at a t up to and including `t_max` or not much beyond;
+    /// infinite where they do not.
+    fn distances(
+        &self,
+        level: Level,
+        world: &mut WorldRun,
+        mask: u64,
+        t_max: &Numbers,
+        rays: &mut RayRun,
+        t: &mut Numbers,
+    ) {
+        if let Some(placement) = &self.placement {
+            level.run(ToObject { placement, world: world.rays(), mask, rays });
+        }
+        match &self.shape {
+            Shape::Plane(plane) => {
+                let rays = if self.placement.is_some() { rays } else { world.rays() };
+                level.run(PlaneHits { plane, rays, mask, t });
+            }
+            Shape::Sphere(sphere) => {
+                let world = world.prepared(level);
+                let rays = if self.placement.is_some() { rays } else { world.rays };
+                let bounds = self.bounds.as_ref().unwrap_or(&Aabb::EMPTY);
+                level.run(SphereHits { sphere, bounds, world, rays, mask, t_max, t });
+            }
+            Shape::Triangle(_) | Shape::Mesh(_) => {}
+        }
+    }
+}
+
+/// Takes the rays of a mask to object space.
+struct ToObject<'a> {
+    placement: &'a Placement,
+    world: &'a RayRun,
+    mask: u64,
+    rays: &'a mut RayRun,
+}
+
+impl Task for ToObject<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        for number in around(self.mask) {
+            self.rays.set(number, self.placement.ray_to_object(&self.world.get(number)));
+        }
+    }
+}
+
+/// Where rays meet a plane.
+struct PlaneHits<'a> {
+    plane: &'a Plane,
+    rays: &'a RayRun,
+    mask: u64,
+    t: &'a mut Numbers,
+}
+
+impl Task for PlaneHits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        for number in around(self.mask) {
+            self.t[number] = self.plane.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
+        }
+    }
+}
+
+/// Where rays meet a sphere.
+struct SphereHits<'a> {
+    sphere: &'a Sphere,
+    bounds: &'a Aabb,
+    world: PreparedRun<'a>,
+    /// In object space.
+    rays: &'a RayRun,
+    mask: u64,
+    t_max: &'a Numbers,
+    t: &'a mut Numbers,
+}
+
+impl Task for SphereHits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        for number in around(self.mask) {
+            let near = self.bounds.entry(&self.world.get(number), 0.0, self.t_max[number]);
+            let t = self.sphere.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
+            self.t[number] = near.map_or(Real::INFINITY, |near| t.max(near));
+        }
+    }
+}
+
+/// Replaces hits by nearer ones.
+struct KeepNearest<'a> {
+    index: u32,
+    mask: u64,
+    t: &'a Numbers,
+    hits: &'a mut HitRun,
+}
+
+impl Task for KeepNearest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { index, mask, t, hits } = self;
+        for number in around(mask) {
+            let (new, old, before) = (t[number], hits.at.t[number], hits.object[number]);
+            let nearer = new < old || (new == old && index < before);
+            let takes = nearer && mask >> number & 1 == 1;
+            hits.at.t[number] = if takes { new } else { old };
+            hits.object[number] = if takes { index } else { before };
+        }
+    }
+}
