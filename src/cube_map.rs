@@ -61,17 +61,23 @@ impl CubeMap {
     /// The colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
         let Place { face, u, v } = Place::of(direction.normalized());
-        self.faces[face].color(u, v)
+        self.faces[face].texels(u, v).blend()
     }
 
     /// [`color`](Self::color) in the directions of a mask.
     pub fn colors(&self, level: Level, directions: &Vectors, mask: u64, colors: &mut Vectors) {
-        let (mut faces, mut u, mut v) = ([0; RUN], [0.0; RUN], [0.0; RUN]);
         let mut directions = *directions;
+        let (mut faces, mut u, mut v) = ([0; RUN], [0.0; RUN], [0.0; RUN]);
         level.run(FindPlaces { directions: &mut directions, mask, faces: &mut faces, u: &mut u, v: &mut v });
+        let mut texels = [Vectors::ZERO; 4];
         for number in numbers_in(mask) {
-            colors.set(number, self.faces[faces[number] as usize].color(u[number], v[number]));
+            let found = self.faces[faces[number] as usize % 6].texels(u[number], v[number]);
+            for (texels, found) in texels.iter_mut().zip(found.texels) {
+                texels.set(number, found);
+            }
+            (u[number], v[number]) = (found.right, found.below);
         }
+        level.run(Blend { texels: &texels, right: &u, below: &v, mask, colors });
     }
 
     /// Decodes the faces that these directions reach, all at once.
@@ -170,23 +176,69 @@ impl Task for FindPlaces<'_> {
     }
 }
 
+/// The four texels around a place.
+struct Texels {
+    /// Upper left, upper right, lower left, lower right.
+    texels: [Vector3; 4],
+    /// Weights of those to the right, and of those below.
+    right: Real,
+    below: Real,
+}
+
+impl Texels {
+    /// Bilinear interpolation.
+    #[inline(always)]
+    fn blend(&self) -> Vector3 {
+        let [upper_left, upper_right, lower_left, lower_right] = self.texels;
+        let upper = upper_left * (1.0 - self.right) + upper_right * self.right;
+        let lower = lower_left * (1.0 - self.right) + lower_right * self.right;
+        upper * (1.0 - self.below) + lower * self.below
+    }
+}
+
+struct Blend<'a> {
+    texels: &'a [Vectors; 4],
+    right: &'a Numbers,
+    below: &'a Numbers,
+    mask: u64,
+    colors: &'a mut Vectors,
+}
+
+impl Task for Blend<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let [a, b, c, d] = self.texels;
+        for number in around(self.mask) {
+            let texels = [a.get(number), b.get(number), c.get(number), d.get(number)];
+            let texels = Texels { texels, right: self.right[number], below: self.below[number] };
+            self.colors.set(number, texels.blend());
+        }
+    }
+}
+
 impl Face {
-    /// Bilinear interpolation; u and v from 0 to 1, v from the bottom.
-    fn color(&self, u: Real, v: Real) -> Vector3 {
+    /// u and v from 0 to 1, v from the bottom. Black without a picture.
+    #[inline]
+    fn texels(&self, u: Real, v: Real) -> Texels {
         let Ok(texels) = self.texels.get_or_init(|| self.decode()) else {
-            return Vector3::ZERO;
+            return Texels { texels: [Vector3::ZERO; 4], right: 0.0, below: 0.0 };
         };
         let (x, y) = (u * self.width as Real, (1.0 - v) * self.height as Real);
-        let (column, row) = (x as usize, y as usize);
+        // Faster than to `usize`.
+        let (column, row) = (x as u32, y as u32);
         let (right, below) = (x - column as Real, y - row as Real);
-        let texel = |column: usize, row: usize| {
-            let at = 3 * (row.min(self.height - 1) * self.width + column.min(self.width - 1));
-            let channels = &texels[at..at + 3];
+        let (column, row) = (column as usize, row as usize);
+        let (left_of, right_of) = (column.min(self.width - 1), (column + 1).min(self.width - 1));
+        let (upper, lower) = (row.min(self.height - 1) * self.width, (row + 1).min(self.height - 1) * self.width);
+        let texel = |index: usize| {
+            let channels = &texels[3 * index..3 * index + 3];
             Vector3::new(SHARE[channels[0] as usize], SHARE[channels[1] as usize], SHARE[channels[2] as usize])
         };
-        let upper = texel(column, row) * (1.0 - right) + texel(column + 1, row) * right;
-        let lower = texel(column, row + 1) * (1.0 - right) + texel(column + 1, row + 1) * right;
-        upper * (1.0 - below) + lower * below
+        let texels =
+            [texel(upper + left_of), texel(upper + right_of), texel(lower + left_of), texel(lower + right_of)];
+        Texels { texels, right, below }
     }
 
     fn decode(&self) -> Result<Vec<u8>, String> {

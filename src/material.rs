@@ -18,7 +18,7 @@ const MIRROR_LENGTH: Real = 0.1;
 impl Material {
     /// Whether the surface reflects its surroundings, and not only lights.
     pub fn is_mirror(&self) -> bool {
-        is_mirror(self.specular)
+        self.specular.length() > MIRROR_LENGTH
     }
 
     /// max(0, N.L) I diffuse + max(0, R.L)^shininess I specular, with N the normal and R the mirrored ray.
@@ -34,12 +34,6 @@ impl Material {
     pub fn reflect(&self, intensity: Vector3, cosine: Real, highlight: Real) -> Vector3 {
         intensity.scaled_by(self.diffuse) * cosine.max(0.0) + intensity.scaled_by(self.specular) * highlight
     }
-}
-
-/// [`Material::is_mirror`] of a specular colour.
-#[inline]
-pub fn is_mirror(specular: Vector3) -> bool {
-    specular.length() > MIRROR_LENGTH
 }
 
 /// The direction of a ray after a mirror: R = D - 2 (D.N) N. As long as D only if N is a unit vector.

@@ -111,12 +111,17 @@ impl Mesh {
         self.triangles[triangle as usize].map(|corner| to_vector(self.positions[corner as usize]))
     }
 
+    /// The unit normals of a triangle's corners; zero where the faces around one cancel out.
+    #[inline(always)]
+    pub(super) fn corner_normals(&self, triangle: u32) -> [Vector3; 3] {
+        self.triangles[triangle as usize].map(|corner| self.vertex_normals[corner as usize])
+    }
+
     /// The unit normal at a hit: the corners' normals, weighted. Where they cancel out, the face's own.
     pub fn normal(&self, triangle: u32, barycentric: [Real; 3]) -> Vector3 {
         let face = || face_normal(self.corners(triangle));
         let mut sum = Vector3::ZERO;
-        for (corner, weight) in self.triangles[triangle as usize].into_iter().zip(barycentric) {
-            let normal = self.vertex_normals[corner as usize];
+        for (normal, weight) in self.corner_normals(triangle).into_iter().zip(barycentric) {
             sum += weight * if normal == Vector3::ZERO { face() } else { normal };
         }
         sum.try_normalized().unwrap_or_else(face)

@@ -7,6 +7,7 @@ mod aabb;
 mod many;
 mod mesh;
 mod mesh_many;
+mod normals;
 mod placement;
 mod plane;
 mod ray;

@@ -64,6 +64,7 @@ impl Placement {
     }
 
     /// The ray in object space. Its direction is not normalised, so that t means the same in both spaces.
+    #[inline(always)]
     pub fn ray_to_object(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.object_from_world.transform_point(ray.origin),
@@ -73,7 +74,13 @@ impl Placement {
 
     /// The unit normal in world space of a normal in object space.
     pub fn normal_to_world(&self, normal: Vector3) -> Vector3 {
-        (self.normal_to_world * normal).normalized()
+        self.across_world(normal).normalized()
+    }
+
+    /// The same, of any length.
+    #[inline(always)]
+    pub fn across_world(&self, normal: Vector3) -> Vector3 {
+        self.normal_to_world * normal
     }
 
     /// The box in world space of all points that rays can hit on a shape inside `bounds`.

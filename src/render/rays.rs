@@ -71,7 +71,7 @@ impl<'a> RayMaker<'a> {
         };
         for (index, (size, pattern)) in patterns.iter().enumerate() {
             let set = pattern.set(pixel, index as u32, self.seed);
-            (0..*size).for_each(|sample| places.push(self.grid.place(pixel, set.offset(sample))));
+            set.for_each_offset(*size, |offset| places.push(self.grid.place(pixel, offset)));
         }
     }
 

@@ -93,6 +93,20 @@ impl SampleSet<'_> {
         }
     }
 
+    /// [`offset`](Self::offset) of all samples of the set, one after another.
+    pub fn for_each_offset(&self, count: u32, mut f: impl FnMut((Real, Real))) {
+        if self.pattern.kind != SamplerKind::Stratified {
+            return (0..count).for_each(|sample| f(self.offset(sample)));
+        }
+        let mut sample = 0;
+        self.pattern.cells.for_each(|cell| {
+            let (x, y) = self.random(sample);
+            f(cell.place(x, y));
+            sample += 1;
+        });
+    }
+
+    #[inline]
     fn random(&self, index: u64) -> (Real, Real) {
         let bits = mixed(self.pixel_bits.wrapping_add(index));
         // The upper and the lower half are independent enough: every bit of the mix depends on every bit of the input.
@@ -114,6 +128,7 @@ struct Cells {
     in_longer_rows: u32,
 }
 
+#[derive(Debug, PartialEq)]
 struct Cell {
     column: u32,
     columns: u32,
@@ -127,6 +142,19 @@ impl Cells {
         let rows = nearest_root(count);
         let columns = count / rows;
         Self { count, columns, in_longer_rows: (count % rows) * (columns + 1) }
+    }
+
+    /// Every cell in order.
+    #[inline]
+    fn for_each(&self, mut f: impl FnMut(Cell)) {
+        let mut before = 0;
+        while before < self.count {
+            let columns = self.columns + u32::from(before < self.in_longer_rows);
+            for column in 0..columns {
+                f(Cell { column, columns, before, count: self.count });
+            }
+            before += columns;
+        }
     }
 
     fn cell(&self, index: u32) -> Cell {
@@ -185,6 +213,9 @@ mod tests {
     fn cells_have_equal_area_and_cover_the_pixel() {
         for count in COUNTS.into_iter().chain(1..300) {
             let cells: Vec<Cell> = (0..count).map(|index| Cells::new(count).cell(index)).collect();
+            let mut in_order = Vec::new();
+            Cells::new(count).for_each(|cell| in_order.push(cell));
+            assert_eq!(in_order, cells);
             for (index, cell) in cells.iter().enumerate() {
                 let corners = [cell.place(0.0, 0.0), cell.place(1.0, 1.0)];
                 let area = (corners[1].0 - corners[0].0) * (corners[1].1 - corners[0].1);

@@ -20,6 +20,8 @@ pub struct Surfaces {
     pub diffuse: Vectors,
     pub specular: Vectors,
     pub shininess: Numbers,
+    /// Those that are mirrors, and perhaps others that nobody asks about.
+    pub mirrors: u64,
     /// Light that the surface sends back along the ray, mirrors aside.
     pub color: Vectors,
 }
@@ -32,14 +34,18 @@ impl Surfaces {
         diffuse: Vectors::ZERO,
         specular: Vectors::ZERO,
         shininess: [0.0; RUN],
+        mirrors: 0,
         color: Vectors::ZERO,
     };
 
-    #[inline(always)]
-    pub fn set_material(&mut self, number: usize, material: &Material) {
-        self.diffuse.set(number, material.diffuse);
-        self.specular.set(number, material.specular);
-        self.shininess[number] = material.shininess;
+    /// Sets the material of the surfaces of a mask.
+    pub fn set_material(&mut self, mask: u64, material: &Material) {
+        self.mirrors = if material.is_mirror() { self.mirrors | mask } else { self.mirrors & !mask };
+        for number in numbers_in(mask) {
+            self.diffuse.set(number, material.diffuse);
+            self.specular.set(number, material.specular);
+            self.shininess[number] = material.shininess;
+        }
     }
 
     #[inline(always)]
@@ -201,12 +207,13 @@ impl Task for AddLight<'_> {
     }
 }
 
-/// Adds the ambient light, and then what surfaces send back to what has been gathered on the way to them.
+/// Adds the ambient light, and then what surfaces send back to what has been gathered on the way to them. What a mirror
+/// sees counts less from there on.
 pub struct Gather<'a> {
     pub ambient: Vector3,
     pub surfaces: &'a Surfaces,
     pub mask: u64,
-    pub weight: &'a Vectors,
+    pub weight: &'a mut Vectors,
     pub color: &'a mut Vectors,
 }
 
@@ -219,6 +226,9 @@ impl Task for Gather<'_> {
         for number in around(mask) {
             let reflected = surfaces.color.get(number) + ambient.scaled_by(surfaces.diffuse.get(number));
             color.set(number, color.get(number) + weight.get(number).scaled_by(reflected));
+        }
+        for number in around(mask) {
+            weight.set(number, weight.get(number).scaled_by(surfaces.specular.get(number)));
         }
     }
 }

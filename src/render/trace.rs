@@ -6,7 +6,6 @@
 use super::robust::{Departure, Epsilon};
 use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
 use crate::light::Light;
-use crate::material::is_mirror;
 use crate::objects::Ray;
 use crate::objects::run::{HitRun, Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::plan::Plan;
@@ -142,13 +141,17 @@ impl<'a> Tracer<'a> {
         for number in numbers_in(mask) {
             hit |= u64::from(hits.object[number] != HitRun::NOTHING) << number;
         }
-        if self.plan.color || self.plan.normals {
-            for number in numbers_in(hit) {
-                let object = &scene.objects[hits.object[number] as usize];
-                let normal = object.normal(&scene.meshes, &rays.get(number), &hits.at.get(number));
-                surfaces.normal.set(number, normal);
-                surfaces.set_material(number, &scene.materials[object.material as usize]);
+        let mut rest = if self.plan.color || self.plan.normals { hit } else { 0 };
+        while rest != 0 {
+            let index = hits.object[rest.trailing_zeros() as usize % RUN];
+            let mut of_object = 0;
+            for number in numbers_in(rest) {
+                of_object |= u64::from(hits.object[number] == index) << number;
             }
+            rest &= !of_object;
+            let object = &scene.objects[index as usize];
+            object.normals(&scene.meshes, self.plan.simd, rays, of_object, &hits.at, &mut surfaces.normal);
+            surfaces.set_material(of_object, &scene.materials[object.material as usize]);
         }
         hit
     }
@@ -181,13 +184,12 @@ impl<'a> Tracer<'a> {
         let Paths { color, weight, .. } = paths;
         self.plan.simd.run(Gather { ambient: self.scene.ambient_light, surfaces, mask: hit, weight, color });
         let mut departures = departures.iter();
+        let mirrors = if bounces > 0 { surfaces.mirrors } else { 0 };
         for number in numbers_in(hit) {
             let departure = departures.next();
-            let color = paths.color.get(number);
-            let mut goes_on = bounces > 0 && is_mirror(surfaces.specular.get(number));
-            let weight = paths.weight.get(number).scaled_by(surfaces.specular.get(number));
-            goes_on = goes_on && !self.no_longer_matters(color, weight, bounces - 1);
-            if !goes_on {
+            let (color, weight) = (paths.color.get(number), paths.weight.get(number));
+            let is_mirror = mirrors >> number & 1 == 1;
+            if !is_mirror || self.no_longer_matters(color, weight, bounces - 1) {
                 seen[paths.camera_ray[number] as usize].color = color;
                 continue;
             }
@@ -299,7 +301,7 @@ impl<'a> Tracer<'a> {
                 self.arrive(run, hit);
                 escaped.extend(numbers_in(mask & !hit).map(|number| run.direction.get(number)));
                 let surfaces = &self.room.surfaces;
-                for number in numbers_in(hit).filter(|&number| is_mirror(surfaces.specular.get(number))) {
+                for number in numbers_in(hit & surfaces.mirrors) {
                     let direction = surfaces.reflected.get(number);
                     onward.push(Ray { origin: surfaces.point.get(number) + direction * self.epsilon, direction });
                 }

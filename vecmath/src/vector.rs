@@ -55,7 +55,7 @@ macro_rules! componentwise {
             /// Whether no component is infinite or NaN.
             #[inline]
             pub fn is_finite(self) -> bool {
-                true $(&& self.$c.is_finite())+
+                true $(& self.$c.is_finite())+
             }
 
             /// The component-wise product (of two colours, say).
