@@ -1,7 +1,7 @@
-//! Bytes of a picture to a PNG file, whole or not at all.
+//! Files that appear whole or not at all.
 
+use super::png;
 use crate::error::Error;
-use std::borrow::Cow;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
@@ -13,7 +13,11 @@ use tempfile::NamedTempFile;
 /// # Errors
 /// [`Error::File`] when the folder does not exist or cannot be written to, or the disk is full.
 pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Error> {
-    write_whole(path, "the picture", |file| encode(file, width, height, bytes))
+    write_whole(path, "the picture", |file| {
+        let mut writer = BufWriter::with_capacity(1 << 16, file);
+        png::write(&mut writer, width, height, bytes)?;
+        writer.flush()
+    })
 }
 
 /// Has `write` fill a file that appears under its name only when it is complete; errors call it `what`.
@@ -61,29 +65,4 @@ fn temporary_beside(path: &Path) -> Result<NamedTempFile, Error> {
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder).map_err(|error| Error::io(path, "write the picture", &error))
-}
-
-fn encode(file: &mut std::fs::File, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
-    let mut writer = BufWriter::with_capacity(1 << 16, file);
-    let mut encoder = png::Encoder::new(&mut writer, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Fast);
-    let pixels = width as usize * height as usize;
-    let rgb = match bytes.len() == pixels {
-        true => Cow::Owned(bytes.iter().flat_map(|&grey| [grey; 3]).collect()),
-        false => Cow::Borrowed(bytes),
-    };
-    let mut encoded = encoder.write_header().map_err(io::Error::other)?;
-    encoded.write_image_data(&rgb).map_err(into_io)?;
-    encoded.finish().map_err(into_io)?;
-    writer.flush()
-}
-
-/// The operating system's own words where there are any.
-fn into_io(error: png::EncodingError) -> io::Error {
-    match error {
-        png::EncodingError::IoError(error) => error,
-        other => io::Error::other(other),
-    }
 }

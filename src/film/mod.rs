@@ -5,6 +5,7 @@
 
 mod encode;
 mod numbers;
+mod png;
 
 pub use encode::{check_writable, write_png, write_whole};
 pub use numbers::{NumberPicture, read_numbers, write_numbers};

@@ -1,0 +1,178 @@
+//! Bytes of a picture to a PNG stream, by all threads.
+//!
+//! Strips of rows are filtered and deflated each by itself, and joined into one zlib stream: deflate blocks that end on a
+//! whole byte (RFC 1951), an `IDAT` chunk a strip, and the checksum of them all (RFC 1950). How a picture is cut depends on
+//! its size alone, so that the file is the same at every number of threads.
+
+use fdeflate::Compressor;
+use png::EncodingError;
+use rayon::prelude::*;
+use std::io::{self, Write};
+use std::ops::Range;
+
+/// Bytes of pixels in a strip, about: enough to make the 75 bytes that a strip costs not count, and few enough for
+/// a small picture to keep some threads busy.
+const STRIP_BYTES: usize = 1 << 18;
+/// Strips in memory: enough for all threads, and little beside a large picture.
+const STRIPS_AT_ONCE: usize = 32;
+/// Modulus of the two sums in Adler-32 (RFC 1950).
+const ADLER_MODULUS: u64 = 65_521;
+
+/// Writes 8 bit RGB. `bytes` are three a pixel, or one a pixel for a grey picture, rows from the top.
+pub(super) fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(writer, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut file = encoder.write_header().map_err(into_io)?;
+    let (width, height) = (width as usize, height as usize);
+    let picture = Picture { bytes, row_bytes: bytes.len() / height, is_grey: bytes.len() == width * height };
+    let strip_rows = (STRIP_BYTES / (3 * width)).max(1);
+    let strips: Vec<_> = (0..height).step_by(strip_rows).map(|row| row..(row + strip_rows).min(height)).collect();
+    let mut checksum = 1;
+    for some in strips.chunks(STRIPS_AT_ONCE) {
+        let deflated: Vec<_> = some.par_iter().map(|rows| picture.deflated(rows)).collect();
+        for (rows, stream) in some.iter().zip(deflated) {
+            let (mut chunk, strip_checksum) = without_checksum(stream?)?;
+            checksum = joined(checksum, strip_checksum, (rows.len() * (3 * width + 1)) as u64);
+            if rows.end < height {
+                continue_after(&mut chunk);
+            } else {
+                chunk.extend(checksum.to_be_bytes());
+            }
+            // Only the first strip begins with the two bytes of the zlib header.
+            let start = if rows.start == 0 { 0 } else { 2 };
+            file.write_chunk(png::chunk::IDAT, &chunk[start..]).map_err(into_io)?;
+        }
+    }
+    file.finish().map_err(into_io)
+}
+
+struct Picture<'a> {
+    bytes: &'a [u8],
+    row_bytes: usize,
+    /// One byte a pixel stands for three.
+    is_grey: bool,
+}
+
+impl Picture<'_> {
+    /// Some rows as a zlib stream of their own.
+    fn deflated(&self, rows: &Range<usize>) -> io::Result<Vec<u8>> {
+        let channels = if self.is_grey { 1 } else { 3 };
+        let black = vec![0; self.row_bytes];
+        let (mut left, mut up, mut rgb) =
+            (black.clone(), black.clone(), vec![0; 1 + 3 * self.row_bytes / channels]);
+        let mut compressor = Compressor::new(Vec::new())?;
+        for row in rows.clone() {
+            let start = row * self.row_bytes;
+            let bytes = &self.bytes[start..start + self.row_bytes];
+            let above = if row == 0 { &black } else { &self.bytes[start - self.row_bytes..start] };
+            let (first, rest) = bytes.split_at(channels);
+            left[..channels].copy_from_slice(first);
+            subtract(rest, bytes, &mut left[channels..]);
+            subtract(bytes, above, &mut up);
+            // Filters 1 and 2: of all, the two that are undone fastest. Bytes that are 0 take next to no room.
+            let (filter, filtered) = if nonzero(&left) < nonzero(&up) { (1, &left) } else { (2, &up) };
+            rgb[0] = filter;
+            if self.is_grey {
+                rgb[1..].as_chunks_mut().0.iter_mut().zip(filtered).for_each(|(rgb, &grey)| *rgb = [grey; 3]);
+            } else {
+                rgb[1..].copy_from_slice(filtered);
+            }
+            compressor.write_data(&rgb)?;
+        }
+        compressor.finish()
+    }
+}
+
+fn subtract(bytes: &[u8], others: &[u8], differences: &mut [u8]) {
+    for ((difference, byte), other) in differences.iter_mut().zip(bytes).zip(others) {
+        *difference = byte.wrapping_sub(*other);
+    }
+}
+
+fn nonzero(bytes: &[u8]) -> usize {
+    /// So few that their number is a byte, which lets the compiler count sixteen at once.
+    const AT_ONCE: usize = 240;
+    let count = |bytes: &[u8]| bytes.iter().map(|&byte| u8::from(byte != 0)).sum::<u8>();
+    bytes.chunks(AT_ONCE).map(|bytes| usize::from(count(bytes))).sum()
+}
+
+/// Takes the Adler-32 checksum off the end of a zlib stream.
+fn without_checksum(mut stream: Vec<u8>) -> io::Result<(Vec<u8>, u32)> {
+    let checksum = stream.last_chunk().map(|bytes| u32::from_be_bytes(*bytes));
+    stream.truncate(stream.len().saturating_sub(4));
+    Ok((stream, checksum.ok_or(io::ErrorKind::UnexpectedEof)?))
+}
+
+/// Makes a zlib header and one final block into a block that others can follow on the next whole byte.
+fn continue_after(stream: &mut Vec<u8>) {
+    stream[2] &= !1;
+    // `fdeflate` ends a block with a code whose last bit is 1, and fills the byte with zeros. Three of them open an empty
+    // stored block, which goes on on the next whole byte with its length, 0, and the complement of that.
+    if stream.last().is_none_or(|byte| byte.leading_zeros() < 3) {
+        stream.push(0);
+    }
+    stream.extend([0, 0, 0xff, 0xff]);
+}
+
+/// The Adler-32 checksum of what has the checksum `first`, followed by `length` bytes that have the checksum `second`.
+fn joined(first: u32, second: u32, length: u64) -> u32 {
+    let sums = |checksum: u32| (u64::from(checksum & 0xffff), u64::from(checksum >> 16));
+    let ((a1, b1), (a2, b2)) = (sums(first), sums(second));
+    // Each sum of the second begins at (1, 0) instead of at those of the first.
+    let a = (a1 + a2 + ADLER_MODULUS - 1) % ADLER_MODULUS;
+    let b = (b1 + b2 + (length % ADLER_MODULUS) * (a1 + ADLER_MODULUS - 1)) % ADLER_MODULUS;
+    (b << 16 | a) as u32
+}
+
+/// The operating system's own words where there are any.
+fn into_io(error: EncodingError) -> io::Error {
+    match error {
+        EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Few different bytes or many, in places smooth: all kinds of rows and ends of strips.
+    fn sample(length: usize) -> Vec<u8> {
+        let noise = |i: usize| (i as u32).wrapping_mul(0x9e37_79b9) >> 24;
+        (0..length).map(|i| if i % 7000 < 4000 { (i / 900) as u8 } else { noise(i) as u8 }).collect()
+    }
+
+    fn decoded(file: &[u8]) -> image::RgbImage {
+        image::load_from_memory_with_format(file, image::ImageFormat::Png).unwrap().into_rgb8()
+    }
+
+    #[test]
+    fn pictures_of_any_number_of_strips_come_back() {
+        for (width, height) in [(1, 1), (1, 70_000), (300, 291), (300, 292), (300, 1000), (70_000, 5), (87_382, 3)]
+        {
+            let bytes = sample(3 * width * height);
+            let mut file = Vec::new();
+            write(&mut file, width as u32, height as u32, &bytes).unwrap();
+            assert!(decoded(&file).into_raw() == bytes, "{width} x {height}");
+        }
+    }
+
+    #[test]
+    fn grey_pictures_have_three_equal_channels() {
+        let bytes = sample(900 * 700);
+        let mut file = Vec::new();
+        write(&mut file, 900, 700, &bytes).unwrap();
+        assert!(decoded(&file).pixels().map(|pixel| pixel.0).eq(bytes.iter().map(|&grey| [grey; 3])));
+    }
+
+    #[test]
+    fn checksums_of_parts_join() {
+        let bytes = sample(300_000);
+        let checksum = |bytes: &[u8]| without_checksum(fdeflate::compress_to_vec(bytes)).unwrap().1;
+        for cut in [0, 1, 65_521, 299_999, 300_000] {
+            let (first, second) = bytes.split_at(cut);
+            assert_eq!(joined(checksum(first), checksum(second), second.len() as u64), checksum(&bytes), "{cut}");
+        }
+    }
+}
