@@ -11,7 +11,10 @@ impl Bar {
         // The draw target asks for itself whether it is a terminal.
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(None, target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}%  {elapsed} elapsed, {eta} left") {
+        // Parsing the template is part of the start-up of every run, so it is left to those that show it.
+        if !bar.is_hidden()
+            && let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}%  {elapsed} elapsed, {eta} left")
+        {
             bar.set_style(style);
         }
         Self(bar)
