@@ -16,6 +16,7 @@ mod objects;
 mod questions;
 mod shaft;
 pub mod simd;
+mod split;
 mod tree;
 mod triangle_tree;
 mod triangles;

@@ -1,13 +1,14 @@
 //! [`Accelerator`]: from a ray to the object that it hits.
 
 use super::beam::{Beam, BeamWalk, Leaves};
-use super::build::{self, Item};
+use super::build;
 use super::bundle::{Bundle, FillBundle, Meeting};
 use super::frame::{EnterMany, Entry, Frame};
 use super::kept::Kept;
 use super::questions::{Any, Closest, Questions, Search};
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level};
+use super::split::Item;
 use super::tree::{Child, Tree};
 use super::walk::{Call, DONE, Walk};
 use crate::objects::run::{HitRun, Numbers, RayRun, Vectors, WorldRun, numbers_in};
@@ -66,7 +67,7 @@ impl Accelerator {
                 let frame = frame.with_spread(largest_spread);
                 let boxes = bounded.iter().filter_map(bounds);
                 let items = boxes.zip(0..).map(|(bounds, number)| Item::new(number, &frame.planes(&bounds)));
-                let built = build::build(items.collect(), 1);
+                let built = build::build::<1>(items.collect());
                 let object_of = |&(start, _): &(u32, u32)| bounded[built.numbers[start as usize] as usize];
                 let treed = built.leaves.iter().map(object_of).collect();
                 let treed = Some(ObjectTree { frame, tree: built.tree, objects: treed });

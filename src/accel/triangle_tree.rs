@@ -1,11 +1,12 @@
 //! [`TriangleTree`]: from a ray to the few triangles of a mesh that it might hit.
 
 use super::beam::{Beam, BeamWalk, FEW, GROUPS, Leaves};
-use super::build::{self, Item};
+use super::build;
 use super::frame::{CullRay, EnterMany, Entry, Frame, Planes};
 use super::kept::Kept;
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level, WIDTH};
+use super::split::Item;
 use super::tree::{Child, Tree};
 use super::triangles::Block;
 use super::walk::{DONE, Visit, Walk};
@@ -132,7 +133,7 @@ impl Culled {
         let numbers = (0..count as u32).into_par_iter();
         let planes = |number| -> Planes { frame.planes(&Aabb::of_points(corners(number))) };
         let items: Vec<Item> = numbers.map(|number| Item::new(number, &planes(number))).collect();
-        let built = build::build(items, WIDTH);
+        let built = build::build::<WIDTH>(items);
         let block = |&(start, length): &(u32, u32)| {
             let numbers = &built.numbers[start as usize..(start + length) as usize];
             Block::new(&frame, numbers.iter().map(|&number| (number, corners(number))))
