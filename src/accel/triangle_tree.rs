@@ -13,6 +13,7 @@ use super::walk::{DONE, Visit, Walk};
 use crate::objects::run::{Numbers, PreparedRun, around, numbers_in};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use vecmath::{Real, Vector3};
 
 /// So many rays are asked together in the time of one by itself.
@@ -43,10 +44,7 @@ struct Culled {
 impl TriangleTree {
     /// A tree over triangles 0 to `count`, which lie in `bounds`.
     pub fn build(count: usize, bounds: &Aabb, corners: impl Fn(u32) -> [Vector3; 3] + Sync) -> Self {
-        let is_finite = |triangle| corners(triangle).iter().all(|corner| corner.is_finite());
-        let all_finite = (0..count as u32).into_par_iter().all(is_finite);
-        let frame = Frame::new(*bounds).filter(|_| all_finite);
-        let culled = frame.map(|frame| Culled::build(frame, count, &corners));
+        let culled = Frame::new(*bounds).and_then(|frame| Culled::build(frame, count, &corners));
         Self { culled, count: count as u32, level: Level::detected() }
     }
 
@@ -129,17 +127,27 @@ impl TriangleTree {
 }
 
 impl Culled {
-    fn build(frame: Frame, count: usize, corners: &(impl Fn(u32) -> [Vector3; 3] + Sync)) -> Self {
-        let numbers = (0..count as u32).into_par_iter();
-        let planes = |number| -> Planes { frame.planes(&Aabb::of_points(corners(number))) };
-        let items: Vec<Item> = numbers.map(|number| Item::new(number, &planes(number))).collect();
+    /// `None` where a corner is not finite.
+    fn build(frame: Frame, count: usize, corners: &(impl Fn(u32) -> [Vector3; 3] + Sync)) -> Option<Self> {
+        let all_finite = AtomicBool::new(true);
+        let item = |number| {
+            let corners = corners(number);
+            if !corners.iter().all(|corner| corner.is_finite()) {
+                all_finite.store(false, Ordering::Relaxed);
+            }
+            Item::new(number, &frame.planes(&Aabb::of_points(corners)))
+        };
+        let items: Vec<Item> = (0..count as u32).into_par_iter().map(item).collect();
+        if !all_finite.into_inner() {
+            return None;
+        }
         let built = build::build::<WIDTH>(items);
         let block = |&(start, length): &(u32, u32)| {
             let numbers = &built.numbers[start as usize..(start + length) as usize];
             Block::new(&frame, numbers.iter().map(|&number| (number, corners(number))))
         };
         let blocks = built.leaves.par_iter().map(block).collect();
-        Self { frame, tree: built.tree, blocks }
+        Some(Self { frame, tree: built.tree, blocks })
     }
 }
 

@@ -5,6 +5,7 @@ use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
 use crate::accel::simd::Level;
 use crate::report::{Stopwatch, Times};
+use rayon::prelude::*;
 use vecmath::{Real, Vector3};
 
 /// Triangles that share corners by index.
@@ -28,11 +29,14 @@ pub struct MeshHit {
     pub hit: TriangleHit,
 }
 
+/// So many normals of faces are at hand while they are added up.
+const FACES_AT_ONCE: usize = 1 << 16;
+
 impl Mesh {
     /// A mesh of these positions and corner indices, which must be in range.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let mut mesh = Self {
-            bounds: Aabb::of_points(positions.iter().map(|&p| to_vector(p))),
+            bounds: bounds_of(&positions),
             vertex_normals: Vec::new(),
             tree: None,
             build_times: Times::default(),
@@ -57,13 +61,26 @@ impl Mesh {
     /// their area; one without area counts nothing.
     fn smooth_normals(&self) -> Vec<Vector3> {
         let mut sums = vec![Vector3::ZERO; self.positions.len()];
-        for index in self.indices() {
-            let normal = face_normal(self.corners(index));
-            for corner in self.triangles[index as usize] {
-                sums[corner as usize] += normal;
-            }
+        // Each thread adds up a range of the positions: every sum is made in the order of the file.
+        let range = sums.len().div_ceil(rayon::current_num_threads()).max(1);
+        let mut normals = Vec::new();
+        for (chunk, triangles) in self.triangles.chunks(FACES_AT_ONCE).enumerate() {
+            let first = (chunk * FACES_AT_ONCE) as u32;
+            let face_normal = |index| face_normal(self.corners(first + index));
+            (0..triangles.len() as u32).into_par_iter().map(face_normal).collect_into_vec(&mut normals);
+            sums.par_chunks_mut(range).enumerate().for_each(|(number, sums)| {
+                let start = number * range;
+                for (corners, normal) in triangles.iter().zip(&normals) {
+                    for corner in corners {
+                        if let Some(sum) = sums.get_mut((*corner as usize).wrapping_sub(start)) {
+                            *sum += *normal;
+                        }
+                    }
+                }
+            });
         }
-        sums.into_iter().map(Vector3::normalized).collect()
+        sums.par_iter_mut().for_each(|sum| *sum = sum.normalized());
+        sums
     }
 
     /// A tree over the triangles.
@@ -175,6 +192,12 @@ impl MeshSearch {
     }
 }
 
+fn bounds_of(positions: &[[f32; 3]]) -> Aabb {
+    let parts = positions.par_chunks(FACES_AT_ONCE);
+    let bounds = parts.map(|part| Aabb::of_points(part.iter().map(|&position| to_vector(position))));
+    bounds.reduce(|| Aabb::EMPTY, |a, b| a.union(&b))
+}
+
 fn to_vector(position: [f32; 3]) -> Vector3 {
     Vector3::from(position.map(Real::from))
 }
@@ -198,6 +221,23 @@ mod tests {
         let normal = mesh.normal(0, [1.0, 0.0, 0.0]);
         assert!((normal - Vector3::new(-half, half, 0.0)).max_abs() < 4.0 * Real::EPSILON, "{normal:?}");
         assert_eq!(mesh.normal(0, [0.0, 0.0, 1.0]), Vector3::new(0.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn sums_of_normals_are_made_in_the_order_of_the_file() {
+        let position = |i: u32| [i * 7919 % 1000, i * 104_729 % 1000, i * 31 % 1000].map(|c| c as f32);
+        let positions: Vec<_> = (0..1000).map(position).collect();
+        let corner = |i: u32| i % 1009 % 1000;
+        let triangles: Vec<_> =
+            (0..FACES_AT_ONCE as u32 + 5).map(|i| [corner(i), corner(3 * i), corner(7 * i + 1)]).collect();
+        let mesh = Mesh::new(positions, triangles);
+        let mut sums = vec![Vector3::ZERO; 1000];
+        for (index, corners) in mesh.triangles.iter().enumerate() {
+            for corner in corners {
+                sums[*corner as usize] += face_normal(mesh.corners(index as u32));
+            }
+        }
+        assert!(mesh.vertex_normals.iter().zip(sums).all(|(normal, sum)| *normal == sum.normalized()));
     }
 
     #[test]

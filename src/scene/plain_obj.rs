@@ -5,6 +5,7 @@
 //! slower. Both give the same mesh.
 
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Positions and triangles of a mesh.
 pub type Geometry = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -27,22 +28,40 @@ struct Piece {
 pub fn read(bytes: &[u8]) -> Option<Geometry> {
     let pieces: Option<Vec<Piece>> = pieces(bytes).into_par_iter().map(Piece::read).collect();
     let pieces = pieces?;
-    let positions: Vec<[f32; 3]> = pieces.iter().flat_map(|piece| &piece.positions).copied().collect();
+    let positions = joined(&pieces, |piece| &piece.positions);
     for kind in 0..2 {
         let count: usize = pieces.iter().map(|piece| piece.others[kind].0).sum();
         if pieces.iter().any(|piece| piece.others[kind].1 > count) {
             return None;
         }
     }
-    let triangles: Vec<[u32; 3]> = pieces.iter().flat_map(|piece| &piece.triangles).copied().collect();
+    let triangles = joined(&pieces, |piece| &piece.triangles);
     drop(pieces);
-    let mut is_used = vec![false; positions.len()];
-    for &corner in triangles.as_flattened() {
-        *is_used.get_mut(corner as usize)? = true;
+    let is_used: Vec<AtomicBool> = positions.iter().map(|_| AtomicBool::new(false)).collect();
+    let use_position =
+        |&corner: &u32| is_used.get(corner as usize).map(|used| used.store(true, Ordering::Relaxed));
+    let use_corners = |corners: &[u32; 3]| corners.iter().all(|corner| use_position(corner).is_some());
+    if !triangles.par_iter().all(use_corners) {
+        return None;
     }
+    let is_used: Vec<bool> = is_used.into_iter().map(AtomicBool::into_inner).collect();
     let (positions, triangles) = without_unused(positions, triangles, &is_used);
     let is_finite = |position: &[f32; 3]| position.iter().all(|coordinate| coordinate.is_finite());
-    positions.iter().all(is_finite).then_some((positions, triangles))
+    positions.par_iter().all(is_finite).then_some((positions, triangles))
+}
+
+/// What pieces hold, one after another.
+fn joined<T: Copy + Default + Send + Sync>(pieces: &[Piece], part: impl Fn(&Piece) -> &Vec<T> + Sync) -> Vec<T> {
+    let mut all = vec![T::default(); pieces.iter().map(|piece| part(piece).len()).sum()];
+    let mut rest = all.as_mut_slice();
+    let mut places = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        let (place, after) = rest.split_at_mut(part(piece).len());
+        places.push((place, part(piece)));
+        rest = after;
+    }
+    places.into_par_iter().for_each(|(place, part)| place.copy_from_slice(part));
+    all
 }
 
 /// Cuts a text at ends of lines.
