@@ -1,7 +1,7 @@
 //! [`Accelerator`]: from a ray to the object that it hits.
 
 use super::beam::{Beam, BeamWalk, Leaves};
-use super::build;
+use super::build::{self, Built};
 use super::bundle::{Bundle, FillBundle, Meeting};
 use super::frame::{EnterMany, Entry, Frame};
 use super::kept::Kept;
@@ -13,6 +13,7 @@ use super::tree::{Child, Tree};
 use super::walk::{Call, DONE, Walk};
 use crate::objects::run::{HitRun, Numbers, RayRun, Vectors, WorldRun, numbers_in};
 use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, T_MAX};
+use rayon::prelude::*;
 use vecmath::Real;
 
 /// A hit and whose it is.
@@ -58,19 +59,19 @@ impl Accelerator {
         let all = || 0..objects.len() as u32;
         let spread = |index: &u32| objects[*index as usize].spread;
         let bounds = |index: &u32| objects[*index as usize].bounds.filter(|_| spread(index) <= LARGEST_SPREAD);
-        let bounded: Vec<u32> = all().filter(|index| bounds(index).is_some()).collect();
+        let bounded: Vec<(u32, Aabb)> = all().filter_map(|index| Some((index, bounds(&index)?))).collect();
         if bounded.len() > LOOP_OBJECTS {
-            let around = bounded.iter().filter_map(bounds).fold(Aabb::EMPTY, |all, one| all.union(&one));
-            let all_finite = bounded.iter().filter_map(bounds).all(|b| b.min.is_finite() && b.max.is_finite());
-            let largest_spread = bounded.iter().map(spread).fold(0.0, Real::max);
+            let around = bounded.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
+            let all_finite = bounded.iter().all(|(_, b)| b.min.is_finite() && b.max.is_finite());
+            let largest_spread = bounded.iter().map(|(index, _)| spread(index)).fold(0.0, Real::max);
             if let Some(frame) = Frame::new(around).filter(|_| all_finite) {
                 let frame = frame.with_spread(largest_spread);
-                let boxes = bounded.iter().filter_map(bounds);
-                let items = boxes.zip(0..).map(|(bounds, number)| Item::new(number, &frame.planes(&bounds)));
-                let built = build::build::<1>(items.collect());
-                let object_of = |&(start, _): &(u32, u32)| bounded[built.numbers[start as usize] as usize];
-                let treed = built.leaves.iter().map(object_of).collect();
-                let treed = Some(ObjectTree { frame, tree: built.tree, objects: treed });
+                let item = |(index, bounds): &(u32, Aabb)| Item::new(*index, &frame.planes(bounds));
+                let items = bounded.par_iter().map(item).collect();
+                drop(bounded);
+                let Built { tree, leaves, numbers } = build::build::<1>(items);
+                let treed = leaves.iter().map(|&(place, _)| numbers[place as usize]).collect();
+                let treed = Some(ObjectTree { frame, tree, objects: treed });
                 return Self { loose: all().filter(|index| bounds(index).is_none()).collect(), treed, level };
             }
         }

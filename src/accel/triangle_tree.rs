@@ -2,7 +2,7 @@
 
 use super::beam::{Beam, BeamWalk, FEW, GROUPS, Leaves};
 use super::build;
-use super::frame::{CullRay, EnterMany, Entry, Frame, Planes};
+use super::frame::{CullRay, EnterMany, Entry, Frame};
 use super::kept::Kept;
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level, WIDTH};

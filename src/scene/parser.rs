@@ -187,6 +187,7 @@ impl<'a> Parser<'a> {
         };
         let token = self.fields.next(|_| "'}' to end 'Transform'".to_owned())?;
         if token.text == "}" {
+            steps.shrink_to_fit();
             return Ok(Node::Transform { steps, child });
         }
         let message = format!("expected '}}' after the object of this 'Transform', found '{}'", token.text);
