@@ -11,7 +11,8 @@
 
 use a2::accel::Accelerator;
 use a2::accel::simd::Level;
-use a2::objects::run::{HitRun, Numbers, RUN, RayRun, first, numbers_in};
+use a2::objects::HitRun;
+use a2::objects::run::{Numbers, RUN, RayRun, first, numbers_in};
 use a2::objects::{Mesh, Object, Ray, Shape};
 use a2::scene::parse_mesh;
 use rayon::prelude::*;

@@ -3,10 +3,11 @@
 
 use a2::accel::simd::Level;
 use a2::accel::{Accelerator, Hit};
-use a2::objects::run::{HitRun, Prepare, PreparedRun, RUN, RayRun, Vectors, first, numbers_in};
+use a2::objects::HitRun;
+use a2::objects::run::{Prepare, PreparedRun, RUN, RayRun, Vectors, first, numbers_in};
 use a2::objects::{
-    Mesh, MeshHit, NO_TRIANGLE, Object, Placement, Plane, PreparedRay, Ray, Shape, Sphere, T_MAX, Triangle,
-    TriangleHit, TriangleHits, triangle_hit,
+    Mesh, MeshHit, Object, Placement, Plane, PreparedRay, Ray, Shape, Sphere, T_MAX, Triangle, TriangleHit,
+    TriangleHits, triangle_hit,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -119,15 +120,16 @@ fn mesh_agrees(mesh: &mut Mesh, rays: &[Ray]) -> Result<(), TestCaseError> {
             let prepared = PreparedRun { rays: &run, inverse_direction: &inverse_direction };
             let mut hits = HitRun::NONE.at;
             hits.t = [T_MAX; RUN];
-            mesh.closest_hits(prepared, mask, &mut triangle_hits, &mut hits);
+            let hit = mesh.closest_hits(prepared, mask, &mut triangle_hits, &mut hits);
             let mut limits = [5.0; RUN];
             expected.iter().zip(&mut limits).for_each(|(hit, limit)| *limit = hit.map_or(5.0, |hit| hit.hit.t));
             let found = mesh.any_hits(prepared, mask, &mut triangle_hits, &limits);
             for number in numbers_in(mask) {
                 let ray = &rays[number];
                 let at = hits.get(number);
-                let hit = TriangleHit { t: at.t, barycentric: at.barycentric };
-                let closest = (at.triangle != NO_TRIANGLE).then_some(MeshHit { triangle: at.triangle, hit });
+                let triangle_hit = TriangleHit { t: at.t, barycentric: at.barycentric };
+                let closest =
+                    (hit >> number & 1 == 1).then_some(MeshHit { triangle: at.triangle, hit: triangle_hit });
                 prop_assert_eq!(bits(&closest), bits(&expected[number]), "{} {:?}", level, ray);
                 prop_assert_eq!(found >> number & 1 == 1, any_by_loop(mesh, ray, limits[number]), "{}", level);
             }

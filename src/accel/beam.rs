@@ -9,7 +9,7 @@ use super::frame::{self, CullRay};
 use super::shaft::Shaft;
 use super::simd::{Eight, Lanes, Task, WIDTH};
 use super::tree::{Child, Node, Tree};
-use super::walk::{DONE, Visit, Walk};
+use super::walk::{DONE, EMPTY_STACK, Visit, Walk};
 use crate::objects::run::{Numbers, RUN, around, numbers_in};
 use vecmath::Real;
 
@@ -40,6 +40,8 @@ pub struct Beam {
 pub trait Leaves {
     /// Looks at a leaf for the rays of a mask, and lowers their limits. The shaft, if there is one, is around them all.
     fn visit<L: Lanes>(&mut self, lanes: L, leaf: usize, rays: u64, shaft: Option<&Shaft>, beam: &mut Beam);
+    /// Looks at a leaf for one ray, and lowers its limit.
+    fn visit_one<L: Lanes>(&mut self, lanes: L, leaf: usize, number: usize, ray: &CullRay, beam: &mut Beam);
 }
 
 impl Beam {
@@ -111,9 +113,7 @@ impl Beam {
         for limit in &self.limit[1..] {
             largest = l.max(largest, l.load(limit));
         }
-        let mut lanes = [0.0; WIDTH];
-        l.store(largest, &mut lanes);
-        lanes.into_iter().fold(DONE, f32::max)
+        l.greatest(largest)
     }
 
     /// Which rays of a mask meet a box of a node.
@@ -228,11 +228,12 @@ fn push(
 impl<V: Leaves> BeamWalk<'_, V> {
     #[inline(always)]
     fn walk_alone<L: Lanes>(&mut self, l: L, start: Child, mask: u64) {
+        let mut stack = EMPTY_STACK;
         for number in numbers_in(mask) {
-            let ray = self.beam.ray(number);
-            let limit = self.beam.limit(number);
-            let mut visit = OneOfMany { number, leaves: &mut self.leaves, beam: &mut *self.beam };
-            let _ = l.enter(Walk { tree: self.tree, start, ray: &ray, limit, visit: &mut visit });
+            let (ray, limit) = (self.beam.ray(number), self.beam.limit(number));
+            let mut visit = OneOfMany { number, ray: &ray, leaves: &mut self.leaves, beam: &mut *self.beam };
+            let walk = Walk { tree: self.tree, start, ray: &ray, limit, visit: &mut visit, stack: &mut stack };
+            let _ = l.enter(walk);
         }
     }
 }
@@ -240,6 +241,7 @@ impl<V: Leaves> BeamWalk<'_, V> {
 /// A ray of a beam that walks alone.
 struct OneOfMany<'a, V> {
     number: usize,
+    ray: &'a CullRay,
     leaves: &'a mut V,
     beam: &'a mut Beam,
 }
@@ -247,7 +249,7 @@ struct OneOfMany<'a, V> {
 impl<V: Leaves> Visit for OneOfMany<'_, V> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
-        self.leaves.visit(l, leaf, 1 << self.number, None, self.beam);
+        self.leaves.visit_one(l, leaf, self.number, self.ray, self.beam);
         self.beam.limit(self.number)
     }
 }

@@ -5,6 +5,7 @@
 //! 4 e m for the inverse and the rounding of the direction: [`MARGIN`] is four times that.
 
 use super::beam::GROUPS;
+use super::range::Range;
 use super::simd::{Eight, Lanes, Task, WIDTH};
 use crate::objects::Aabb;
 use crate::objects::run::{RUN, RayRun, around};
@@ -23,6 +24,8 @@ pub struct Bundle {
     center: Vector3,
     inverse: [[Eight; GROUPS]; 3],
     origin_times_inverse: [[Eight; GROUPS]; 3],
+    /// Smallest and largest of these, axis by axis.
+    ranges: [[(f32, f32); 2]; 3],
     /// The largest coordinate of an origin; NaN where rays cannot be culled.
     reach: f32,
     /// The largest coordinate of an origin in world space, at least.
@@ -35,6 +38,7 @@ impl Bundle {
         center: Vector3::ZERO,
         inverse: [[[1.0; WIDTH]; GROUPS]; 3],
         origin_times_inverse: [[[0.0; WIDTH]; GROUPS]; 3],
+        ranges: [[(0.0, 0.0); 2]; 3],
         reach: 0.0,
         world_reach: 0.0,
     };
@@ -54,6 +58,7 @@ impl Bundle {
             }
         }
         let (mut reach, mut insane) = (l.splat(0.0), 0);
+        let mut ranges = [[Range::empty(l); 2]; 3];
         for group in 0..GROUPS {
             let here = (mask >> (WIDTH * group) & 0xff) as u32;
             if here == 0 {
@@ -75,17 +80,40 @@ impl Bundle {
             for axis in 0..3 {
                 let c = l.negated_by(l.max(l.abs(along[axis]), smallest), along[axis]);
                 let inverted = l.div(l.splat(1.0), c);
+                let product = l.mul(from_center[axis], inverted);
                 l.store(inverted, &mut inverse[axis][group]);
-                l.store(l.mul(from_center[axis], inverted), &mut origin_times_inverse[axis][group]);
+                l.store(product, &mut origin_times_inverse[axis][group]);
+                ranges[axis][0].widen(l, l.mask(here), inverted);
+                ranges[axis][1].widen(l, l.mask(here), product);
             }
         }
-        let mut farthest = [0.0; WIDTH];
-        l.store(reach, &mut farthest);
-        let reach = farthest.into_iter().fold(0.0, f32::max);
+        for (ends, ranges) in self.ranges.iter_mut().zip(ranges) {
+            *ends = [ranges[0].ends(l), ranges[1].ends(l)];
+        }
+        let reach = l.greatest(reach);
         self.center = center;
         self.reach = if insane == 0 { reach } else { f32::NAN };
         // More than rounding to `f32` may have taken away.
         self.world_reach = center.max_abs() + 1.01 * Real::from(reach);
+    }
+}
+
+impl Bundle {
+    /// Whether any of the rays may meet a box at a t from 0 on: by intervals of t that hold for all of them.
+    #[inline(always)]
+    fn may_meet(&self, lower: [f32; 3], upper: [f32; 3]) -> bool {
+        let (mut near, mut far) = (0.0f32, f32::INFINITY);
+        for axis in 0..3 {
+            let [(least, greatest), product] = self.ranges[axis];
+            // Unlike `f32::min`, each is one instruction.
+            let min = |a: f32, b: f32| if a < b { a } else { b };
+            let max = |a: f32, b: f32| if a > b { a } else { b };
+            let (a, b) = (lower[axis] * least, lower[axis] * greatest);
+            let (c, d) = (upper[axis] * least, upper[axis] * greatest);
+            near = max(near, min(min(a, b), min(c, d)) - product.1);
+            far = min(far, max(max(a, b), max(c, d)) - product.0);
+        }
+        near <= far
     }
 }
 
@@ -130,6 +158,9 @@ impl Task for Meeting<'_> {
         }
         // Doubled for its own rounding to `f32`.
         let margin = largest * MARGIN + (2.0 * spread * bundle.world_reach) as f32;
+        if !bundle.may_meet(lower.map(|c| c - margin), upper.map(|c| c + margin)) {
+            return 0;
+        }
         let mut met = 0;
         for group in 0..GROUPS {
             let here = mask >> (WIDTH * group) & 0xff;

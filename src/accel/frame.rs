@@ -12,8 +12,8 @@
 //!   lies 2^-24 beside the exact ray; the rounding of the origin to `f32` adds another e.
 //!
 //! **Boxes.** t of a box's plane is `plane * inverse - origin * inverse`. As an error of the plane's position: e for
-//! the rounded plane, 3e for the origin, e + e for the two products, 2 e |plane - origin| <= 4.1 e for the inverse of a
-//! rounded direction and 2.1 e for the difference: below 13 e. Comparing with a rounded limit of t adds 4 e, because
+//! the rounded plane, 3e for the origin, e + e for the two products, 2 e |plane - origin| <= 4.1 e for the rounded
+//! inverse of the direction and 2.1 e for the difference: below 13 e. Comparing with a rounded limit of t adds 4 e, because
 //! |direction| <= 1. Directions nearer to an axis plane than 2^-30 are turned away from it so far: 2^-28. All
 //! together less than 18 e < 2^-19; [`BOX_MARGIN`] is twice that.
 //!
@@ -23,7 +23,7 @@ use super::beam::{Beam, GROUPS};
 use super::simd::{Lanes, Task, WIDTH};
 use super::walk::DONE;
 use crate::objects::run::{Numbers, PreparedRun, RUN, around};
-use crate::objects::{Aabb, PreparedRay, Ray};
+use crate::objects::{Aabb, PreparedRay};
 use vecmath::{Real, Vector3};
 
 /// Boxes grow by this on every side, in the frame.
@@ -81,8 +81,17 @@ pub enum Entry {
 impl Frame {
     /// The frame of items in `bounds`; none for bounds that are empty or not finite.
     pub fn new(bounds: Aabb) -> Option<Self> {
-        let half = bounds.size().max_abs() / 2.0;
-        let center = bounds.center();
+        Self::around(bounds, bounds.center())
+    }
+
+    /// The frame of points in `bounds` whose coordinates are numbers of `f32`. So is its centre in the frame's scale,
+    /// and differences from it are as exact there as anywhere.
+    pub fn of_positions(bounds: Aabb) -> Option<Self> {
+        Self::around(bounds, bounds.center().map(|c| Real::from(c as f32)))
+    }
+
+    fn around(bounds: Aabb, center: Vector3) -> Option<Self> {
+        let half = (bounds.max - center).max(center - bounds.min).max_abs();
         if bounds.is_empty() || !center.is_finite() || !bounds.size().is_finite() {
             return None;
         }
@@ -94,6 +103,17 @@ impl Frame {
         let exponent = exponent + i32::from(half * (2.0 as Real).powi(-exponent) > 1.0);
         let scale = (2.0 as Real).powi(-exponent);
         Some(Self { center, scale, spread: 0.0, bounds: bounds.grown(BOX_MARGIN as Real / scale) })
+    }
+
+    /// The centre in the frame's scale.
+    pub fn scaled_center(&self) -> [f32; 3] {
+        self.scaled(self.center)
+    }
+
+    /// The vector that has these components in the frame's scale.
+    #[inline(always)]
+    pub fn unscaled(&self, components: [f32; 3]) -> Vector3 {
+        Vector3::from(components.map(Real::from)) * (1.0 / self.scale)
     }
 
     /// The same frame for items that rays meet with this spread (see [`Object::spread`](crate::objects::Object)).
@@ -132,7 +152,7 @@ impl Frame {
     #[inline]
     pub fn enter(&self, ray: &PreparedRay, t_max: Real) -> Entry {
         match self.bounds.entry(ray, 0.0, t_max) {
-            Some(start) => self.enter_at(&ray.ray, start),
+            Some(start) => self.enter_at(ray, start),
             // NaN meets every box.
             None => Entry::Missed,
         }
@@ -140,14 +160,14 @@ impl Frame {
 
     /// The ray in the frame. At t = `start` it must be within 1 + 2^-16 of the middle on every axis, and not yet in
     /// the box unless `start` is 0.
-    fn enter_at(&self, ray: &Ray, start: Real) -> Entry {
+    fn enter_at(&self, ray: &PreparedRay, start: Real) -> Entry {
         let (cull_ray, is_sane) = self.moved(ray, start);
         if is_sane { Entry::Met(cull_ray) } else { Entry::Unknown }
     }
 
     /// The ray in the frame as [`enter_at`](Self::enter_at) has it, and whether it can be culled.
     #[inline(always)]
-    fn moved(&self, ray: &Ray, start: Real) -> (CullRay, bool) {
+    fn moved(&self, PreparedRay { ray, inverse_direction }: &PreparedRay, start: Real) -> (CullRay, bool) {
         let from_center = ray.origin - self.center;
         let within = |vector: Vector3, limit: Real| {
             // Written so that NaN is not within.
@@ -162,15 +182,20 @@ impl Frame {
             & (self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD)
             & within(from_center * self.scale, FARTHEST);
         let origin = (from_center + ray.direction * start) * self.scale;
-        let direction = ray.direction * (1.0 / largest);
-        let direction = direction.to_array().map(|c| {
-            let c = c as f32;
-            if c.abs() >= SMALLEST_COMPONENT { c } else { SMALLEST_COMPONENT.copysign(c) }
-        });
+        // 1 / largest, without dividing once more.
+        let [x, y, z] = inverse_direction.map(Real::abs).to_array();
+        let smallest = if x < y { x } else { y };
+        let smallest = if smallest < z { smallest } else { z };
+        let exact = (ray.direction * smallest).to_array().map(|c| c as f32);
+        let inverse = (*inverse_direction * largest).to_array().map(|c| c as f32);
+        let away = |c: f32| c.abs() >= SMALLEST_COMPONENT;
         let cull_ray = CullRay {
             origin: origin.to_array().map(|c| c as f32),
-            direction,
-            inverse: direction.map(|c| 1.0 / c),
+            direction: exact.map(|c| if away(c) { c } else { SMALLEST_COMPONENT.copysign(c) }),
+            inverse: [0, 1, 2].map(|axis| {
+                let c = exact[axis];
+                if away(c) { inverse[axis] } else { (1.0 / SMALLEST_COMPONENT).copysign(c) }
+            }),
             start,
             rate: largest * self.scale,
         };
@@ -202,7 +227,7 @@ impl Task for EnterMany<'_> {
         for number in around(mask) {
             let ray = rays.get(number);
             let (meets, near) = frame.bounds.meets(&ray, 0.0, t_max[number]);
-            let (moved, is_sane) = frame.moved(&ray.ray, near);
+            let (moved, is_sane) = frame.moved(&ray, near);
             let limit = moved.limit(t_max[number]);
             let state = if is_sane { 1.0 } else { 2.0 };
             states.as_flattened_mut()[number] = if meets { state } else { 0.0 };

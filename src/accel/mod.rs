@@ -14,6 +14,7 @@ mod frame;
 pub mod kept;
 mod objects;
 mod questions;
+mod range;
 mod shaft;
 pub mod simd;
 mod split;

@@ -3,15 +3,16 @@
 use super::beam::{Beam, BeamWalk, Leaves};
 use super::build::{self, Built};
 use super::bundle::{Bundle, FillBundle, Meeting};
-use super::frame::{EnterMany, Entry, Frame};
+use super::frame::{CullRay, EnterMany, Entry, Frame};
 use super::kept::Kept;
 use super::questions::{Any, Closest, Questions, Search};
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level};
 use super::split::Item;
 use super::tree::{Child, Tree};
-use super::walk::{Call, DONE, Walk};
-use crate::objects::run::{HitRun, Numbers, RayRun, Vectors, WorldRun, numbers_in};
+use super::walk::{Call, DONE, EMPTY_STACK, Walk};
+use crate::objects::HitRun;
+use crate::objects::run::{Numbers, RayRun, Vectors, WorldRun, numbers_in};
 use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, T_MAX};
 use rayon::prelude::*;
 use vecmath::Real;
@@ -122,7 +123,15 @@ impl Accelerator {
             Entry::Met(cull_ray) => {
                 let mut visit = Call(|leaf: usize| cull_ray.limit(ask(treed.objects[leaf])));
                 let (tree, limit) = (&treed.tree, cull_ray.limit(t_max));
-                self.level.run(Walk { tree, start: Child::node(0), ray: &cull_ray, limit, visit: &mut visit });
+                let start = Child::node(0);
+                self.level.run(Walk {
+                    tree,
+                    start,
+                    ray: &cull_ray,
+                    limit,
+                    visit: &mut visit,
+                    stack: &mut { EMPTY_STACK },
+                });
             }
         }
     }
@@ -245,5 +254,10 @@ impl<Q: Questions> Leaves for ObjectLeaves<'_, '_, Q> {
                 beam.set_t_max(number, self.questions.t_max()[number]);
             }
         }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(&mut self, l: L, leaf: usize, number: usize, _: &CullRay, beam: &mut Beam) {
+        self.visit(l, leaf, 1 << number, None, beam);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::objects::Hit;
 use super::simd::Level;
-use crate::objects::run::{HitRun, Numbers, WorldRun, numbers_in};
+use crate::objects::HitRun;
+use crate::objects::run::{Numbers, WorldRun, numbers_in};
 use crate::objects::{Mesh, Object, PreparedRay, T_MAX};
 use vecmath::Real;
 

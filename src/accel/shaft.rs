@@ -1,6 +1,7 @@
 //! [`Shaft`]: what encloses many rays, for discarding boxes that none of them meets, eight at once.
 
 use super::beam::{Beam, GROUPS};
+use super::range::Range;
 use super::simd::{Lanes, WIDTH};
 use crate::objects::run::RUN;
 
@@ -20,33 +21,6 @@ pub struct Shaft {
     slope: [(f32, f32); 2],
 }
 
-/// Smallest and largest of numbers in lanes.
-struct Range<F> {
-    low: F,
-    high: F,
-}
-
-impl<F: Copy> Range<F> {
-    #[inline(always)]
-    fn empty<L: Lanes<F = F>>(l: L) -> Self {
-        Self { low: l.splat(f32::INFINITY), high: l.splat(f32::NEG_INFINITY) }
-    }
-
-    #[inline(always)]
-    fn widen<L: Lanes<F = F>>(&mut self, l: L, mask: L::M, value: F) {
-        self.low = l.min(self.low, l.select(mask, value, l.splat(f32::INFINITY)));
-        self.high = l.max(self.high, l.select(mask, value, l.splat(f32::NEG_INFINITY)));
-    }
-
-    #[inline(always)]
-    fn ends<L: Lanes<F = F>>(&self, l: L) -> (f32, f32) {
-        let (mut low, mut high) = ([0.0; WIDTH], [0.0; WIDTH]);
-        l.store(self.low, &mut low);
-        l.store(self.high, &mut high);
-        (low.into_iter().fold(f32::INFINITY, f32::min), high.into_iter().fold(f32::NEG_INFINITY, f32::max))
-    }
-}
-
 impl Shaft {
     /// Around the rays of a mask; `None` for rays that have no direction in common.
     #[inline(always)]
@@ -55,14 +29,14 @@ impl Shaft {
         let axis = (0..3).find(|&axis| some[axis].abs() >= 0.99)?;
         let sign = 1f32.copysign(some[axis]);
         let signs = l.splat(sign);
-        let (mut along, mut starts) = (Range::empty(l), Range::empty(l));
+        let mut starts = Range::empty(l);
         for group in 0..GROUPS {
-            let here = l.mask((mask >> (WIDTH * group) & 0xff) as u32);
-            along.widen(l, here, l.mul(l.load(&beam.direction[axis][group]), signs));
-            starts.widen(l, here, l.mul(l.load(&beam.origin[axis][group]), signs));
-        }
-        if along.ends(l).0 < 0.25 {
-            return None;
+            let bits = (mask >> (WIDTH * group) & 0xff) as u32;
+            let along = l.mul(l.load(&beam.direction[axis][group]), signs);
+            if l.bits(l.le(along, l.splat(0.25))) & bits != 0 {
+                return None;
+            }
+            starts.widen(l, l.mask(bits), l.mul(l.load(&beam.origin[axis][group]), signs));
         }
         let (first, last) = starts.ends(l);
         let others = [(axis + 1) % 3, (axis + 2) % 3];

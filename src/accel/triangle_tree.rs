@@ -9,7 +9,7 @@ use super::simd::{Lanes, Level, WIDTH};
 use super::split::Item;
 use super::tree::{Child, Tree};
 use super::triangles::Block;
-use super::walk::{DONE, Visit, Walk};
+use super::walk::{DONE, EMPTY_STACK, Visit, Walk};
 use crate::objects::run::{Numbers, PreparedRun, around, numbers_in};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
@@ -39,12 +39,14 @@ struct Culled {
     tree: Tree,
     /// One a leaf.
     blocks: Vec<Block>,
+    /// Whether the corners in the blocks are the mesh's, to the last bit.
+    is_exact: bool,
 }
 
 impl TriangleTree {
     /// A tree over triangles 0 to `count`, which lie in `bounds`.
     pub fn build(count: usize, bounds: &Aabb, corners: impl Fn(u32) -> [Vector3; 3] + Sync) -> Self {
-        let culled = Frame::new(*bounds).and_then(|frame| Culled::build(frame, count, &corners));
+        let culled = Frame::of_positions(*bounds).and_then(|frame| Culled::build(frame, count, &corners));
         Self { culled, count: count as u32, level: Level::detected() }
     }
 
@@ -64,12 +66,19 @@ impl TriangleTree {
             }
             Some((_, Entry::Missed)) => {}
             Some((culled, Entry::Met(cull_ray))) => {
-                let limit = cull_ray.limit(t_max);
+                let (limit, center) = (cull_ray.limit(t_max), culled.frame.scaled_center());
                 let decide = |triangle| cull_ray.limit(decide(triangle));
                 let (tree, start) = (&culled.tree, Child::node(0));
-                let mut visit = BlockVisit { blocks: &culled.blocks, ray: &cull_ray, limit, decide };
+                let mut visit = BlockVisit { blocks: &culled.blocks, center, ray: &cull_ray, limit, decide };
                 if !tree.nodes.is_empty() {
-                    self.level.run(Walk { tree, start, ray: &cull_ray, limit, visit: &mut visit });
+                    self.level.run(Walk {
+                        tree,
+                        start,
+                        ray: &cull_ray,
+                        limit,
+                        visit: &mut visit,
+                        stack: &mut { EMPTY_STACK },
+                    });
                 }
             }
         }
@@ -78,13 +87,13 @@ impl TriangleTree {
     /// [`candidates`](Self::candidates) of the rays of a mask.
     pub fn candidates_of_many(&self, rays: PreparedRun, mask: u64, decide: &mut impl Decide) {
         let mut unknown = mask;
-        if let Some(Culled { frame, tree, blocks }) = &self.culled {
+        if let Some(culled @ Culled { frame, tree, .. }) = &self.culled {
             let mut beam = BEAM.take().unwrap_or_else(|| Box::new(Beam::EMPTY));
             let entering = EnterMany { frame, rays, mask, t_max: decide.t_max(), beam: &mut beam };
             let met;
             (met, unknown) = self.level.run(entering);
             if met != 0 {
-                let leaves = BlockLeaves { blocks, decide };
+                let leaves = BlockLeaves { culled, center: frame.scaled_center(), decide };
                 self.level.run(BeamWalk { tree, beam: &mut beam, mask: met, leaves });
             }
             BEAM.set(Some(beam));
@@ -92,7 +101,7 @@ impl TriangleTree {
         for number in numbers_in(unknown) {
             for triangle in 0..self.count {
                 if decide.t_max()[number] > Real::NEG_INFINITY {
-                    decide.one(number, triangle);
+                    decide.one(number, triangle, None);
                 }
             }
         }
@@ -129,11 +138,14 @@ impl TriangleTree {
 impl Culled {
     /// `None` where a corner is not finite.
     fn build(frame: Frame, count: usize, corners: &(impl Fn(u32) -> [Vector3; 3] + Sync)) -> Option<Self> {
-        let all_finite = AtomicBool::new(true);
+        let (all_finite, is_exact) = (AtomicBool::new(true), AtomicBool::new(true));
         let item = |number| {
             let corners = corners(number);
             if !corners.iter().all(|corner| corner.is_finite()) {
                 all_finite.store(false, Ordering::Relaxed);
+            }
+            if !corners.iter().all(|&corner| frame.unscaled(frame.scaled(corner)) == corner) {
+                is_exact.store(false, Ordering::Relaxed);
             }
             Item::new(number, &frame.planes(&Aabb::of_points(corners)))
         };
@@ -147,13 +159,14 @@ impl Culled {
             Block::new(&frame, numbers.iter().map(|&number| (number, corners(number))))
         };
         let blocks = built.leaves.par_iter().map(block).collect();
-        Some(Self { frame, tree: built.tree, blocks })
+        Some(Self { frame, tree: built.tree, blocks, is_exact: is_exact.into_inner() })
     }
 }
 
 /// Leaves that are blocks of triangles, for one ray. `decide` returns the limit in the frame.
 struct BlockVisit<'a, D> {
     blocks: &'a [Block],
+    center: [f32; 3],
     ray: &'a CullRay,
     limit: f32,
     decide: D,
@@ -163,7 +176,7 @@ impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
         let block = &self.blocks[leaf];
-        let mut survivors = block.survivors(l, self.ray, self.limit);
+        let mut survivors = block.survivors(l, self.center, self.ray, self.limit);
         while survivors != 0 && self.limit > DONE {
             self.limit = (self.decide)(block.number(survivors.trailing_zeros()));
             survivors &= survivors - 1;
@@ -176,49 +189,46 @@ impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
 pub trait Decide {
     /// How far each ray still looks; minus infinity if no further.
     fn t_max(&self) -> &Numbers;
-    /// Asks a triangle about a ray, perhaps not for the first time.
-    fn one(&mut self, number: usize, triangle: u32);
+    /// Asks a triangle about a ray, perhaps not for the first time. Its corners are given if they are at hand.
+    fn one(&mut self, number: usize, triangle: u32, corners: Option<[Vector3; 3]>);
     /// Asks a triangle about the rays of a mask.
-    fn many<L: Lanes>(&mut self, lanes: L, mask: u64, triangle: u32);
+    fn many<L: Lanes>(&mut self, lanes: L, mask: u64, triangle: u32, corners: Option<[Vector3; 3]>);
 }
 
 /// Leaves that are blocks of triangles.
 struct BlockLeaves<'a, D> {
-    blocks: &'a [Block],
+    culled: &'a Culled,
+    /// See [`Frame::scaled_center`].
+    center: [f32; 3],
     decide: &'a mut D,
 }
 
 impl<D: Decide> BlockLeaves<'_, D> {
-    /// One ray and all triangles.
     #[inline(always)]
-    fn visit_one<L: Lanes>(&mut self, l: L, block: &Block, number: usize, beam: &mut Beam) {
-        let mut survivors = block.survivors(l, &beam.ray(number), beam.limit(number));
-        while survivors != 0 && beam.limit(number) > DONE {
-            self.decide.one(number, block.number(survivors.trailing_zeros()));
-            beam.set_t_max(number, self.decide.t_max()[number]);
-            survivors &= survivors - 1;
-        }
+    fn corners(&self, block: &Block, place: u32) -> Option<[Vector3; 3]> {
+        self.culled.is_exact.then(|| block.corners_of(&self.culled.frame, place))
     }
 
     /// All rays and one triangle.
     #[inline(always)]
     fn visit_many<L: Lanes>(&mut self, l: L, block: &Block, place: u32, mask: u64, beam: &mut Beam) {
         let mut survivors = 0;
+        let triangle = block.in_all_lanes(l, self.center, place);
         for group in 0..GROUPS {
             let here = mask >> (WIDTH * group) & 0xff;
             if here != 0 {
-                let bits = block.surviving_rays(l, place, beam.group(l, group), l.load(&beam.limit[group]));
+                let bits = block.may_hit(l, triangle, beam.group(l, group), l.load(&beam.limit[group]));
                 survivors |= (here & u64::from(bits)) << (WIDTH * group);
             }
         }
         // Rays between those that survive are asked too, to no purpose.
         if survivors != 0 && around(survivors).len() < WORTH_ASKING_TOGETHER * survivors.count_ones() as usize {
-            self.decide.many(l, survivors, block.number(place));
+            self.decide.many(l, survivors, block.number(place), self.corners(block, place));
             return beam.set_t_maxes(survivors, self.decide.t_max());
         }
         for number in numbers_in(survivors) {
             if beam.limit(number) > DONE {
-                self.decide.one(number, block.number(place));
+                self.decide.one(number, block.number(place), self.corners(block, place));
                 beam.set_t_max(number, self.decide.t_max()[number]);
             }
         }
@@ -228,10 +238,10 @@ impl<D: Decide> BlockLeaves<'_, D> {
 impl<D: Decide> Leaves for BlockLeaves<'_, D> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize, rays: u64, shaft: Option<&Shaft>, beam: &mut Beam) {
-        let block = &self.blocks[leaf];
+        let block = &self.culled.blocks[leaf];
         let mut places = block.all();
         if let (Some(shaft), true) = (shaft, rays.count_ones() > FEW) {
-            (places, _) = shaft.boxes(l, &block.boxes(l), beam.largest_limit(l));
+            (places, _) = shaft.boxes(l, &block.boxes(l, self.center), beam.largest_limit(l));
             places &= block.all();
             let groups = rays | rays >> 1 | rays >> 2 | rays >> 3;
             let groups = ((groups | groups >> 4) & 0x0101_0101_0101_0101).count_ones();
@@ -245,8 +255,21 @@ impl<D: Decide> Leaves for BlockLeaves<'_, D> {
         }
         if places != 0 {
             for number in numbers_in(rays) {
-                self.visit_one(l, block, number, beam);
+                let ray = beam.ray(number);
+                self.visit_one(l, leaf, number, &ray, beam);
             }
+        }
+    }
+
+    #[inline(always)]
+    fn visit_one<L: Lanes>(&mut self, l: L, leaf: usize, number: usize, ray: &CullRay, beam: &mut Beam) {
+        let block = &self.culled.blocks[leaf];
+        let mut survivors = block.survivors(l, self.center, ray, beam.limit(number));
+        while survivors != 0 && beam.limit(number) > DONE {
+            let place = survivors.trailing_zeros();
+            self.decide.one(number, block.number(place), self.corners(block, place));
+            beam.set_t_max(number, self.decide.t_max()[number]);
+            survivors &= survivors - 1;
         }
     }
 }

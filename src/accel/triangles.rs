@@ -11,8 +11,7 @@
 //! ```
 //!
 //! and it lies in the triangle if U, V and W have one sign. In the [`Frame`](super::frame::Frame), let e = 2^-24 and
-//! h the largest component of e1 and e2, which are computed in `f64` and then rounded (error e h). With |C| <= 2 + 2^-15
-//! on each axis, errors (also those of the definition, which the frame bounds by e) add up to
+//! h the largest component of e1 and e2, differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each axis, errors (also those of the definition, which the frame bounds by e) add up to
 //!
 //! - C: 1 e for a, 3 e for o, 2 e for the difference: 6 e;
 //! - R: 2 (6 e |d| + 2 e |C|) + 3 roundings of at most 4: below 32 e;
@@ -39,9 +38,9 @@ const DISTANCE_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 0..96 | x of the eight first corners, then y, z |
-/// | 96..192 | the edges from the first to the second corner |
-/// | 192..288 | the edges from the first to the third corner |
+/// | 0..96 | x of the eight first corners, then y, z: in the frame's scale, but from where the mesh has its origin |
+/// | 96..192 | the second corners |
+/// | 192..288 | the third corners |
 /// | 288..320 | the triangles' numbers |
 /// | 320..328 | h times [`SIDE_MARGIN`], h^2 times [`DISTANCE_MARGIN`] for the largest h of the block |
 /// | 328..332 | how many triangles there are |
@@ -49,8 +48,7 @@ const DISTANCE_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub struct Block {
-    corner: [Eight; 3],
-    edges: [[Eight; 3]; 2],
+    corners: [[Eight; 3]; 3],
     numbers: [u32; WIDTH],
     side_margin: f32,
     distance_margin: f32,
@@ -61,22 +59,20 @@ impl Block {
     /// A block of triangles, given by number and corners.
     pub fn new(frame: &Frame, triangles: impl Iterator<Item = (u32, [Vector3; 3])>) -> Self {
         let mut block = Self {
-            corner: [[0.0; WIDTH]; 3],
-            edges: [[[0.0; WIDTH]; 3]; 2],
+            corners: [[[0.0; WIDTH]; 3]; 3],
             numbers: [0; WIDTH],
             side_margin: 0.0,
             distance_margin: 0.0,
             count: 0,
         };
         let mut longest = 0.0f32;
-        for (place, (number, [a, b, c])) in triangles.take(WIDTH).enumerate() {
-            let (corner, edges) = (frame.point(a), [frame.scaled(b - a), frame.scaled(c - a)]);
-            for (lanes, value) in block.corner.iter_mut().zip(corner) {
-                lanes[place] = value;
-            }
-            for (lanes, &value) in block.edges.as_flattened_mut().iter_mut().zip(edges.as_flattened()) {
-                lanes[place] = value;
-                longest = longest.max(value.abs());
+        for (place, (number, corners)) in triangles.take(WIDTH).enumerate() {
+            let corners = corners.map(|corner| frame.scaled(corner));
+            for (lanes, corner) in block.corners.iter_mut().zip(corners) {
+                for axis in 0..3 {
+                    lanes[axis][place] = corner[axis];
+                    longest = longest.max((corner[axis] - corners[0][axis]).abs());
+                }
             }
             block.numbers[place] = number;
             block.count += 1;
@@ -92,27 +88,42 @@ impl Block {
         &self.numbers[..self.count as usize]
     }
 
-    /// Bit i is set unless it is certain that the ray does not hit triangle i at a t from 0 to `limit`.
+    /// The corners of a triangle, as exact as the frame's scale has them.
     #[inline(always)]
-    pub fn survivors<L: Lanes>(&self, l: L, ray: &CullRay, limit: f32) -> u32 {
-        let triangles = [load(l, &self.corner), load(l, &self.edges[0]), load(l, &self.edges[1])];
+    pub fn corners_of(&self, frame: &Frame, place: u32) -> [Vector3; 3] {
+        let place = place as usize % WIDTH;
+        let [a, b, c] = &self.corners;
+        [a, b, c].map(|corner| frame.unscaled([corner[0][place], corner[1][place], corner[2][place]]))
+    }
+
+    /// Bit i is set unless it is certain that the ray does not hit triangle i at a t from 0 to `limit`. `center` is the
+    /// frame's, in its scale.
+    #[inline(always)]
+    pub fn survivors<L: Lanes>(&self, l: L, center: [f32; 3], ray: &CullRay, limit: f32) -> u32 {
+        let [a, b, c] = &self.corners;
+        let triangles = triangle(l, center, [load(l, a), load(l, b), load(l, c)]);
         let rays = [splat(l, ray.origin), splat(l, ray.direction)];
         self.may_hit(l, triangles, rays, l.splat(limit)) & self.all()
     }
 
-    /// The same of one triangle and eight rays, each with its limit: bit i is ray i's.
+    /// One triangle in all lanes.
     #[inline(always)]
-    pub fn surviving_rays<L: Lanes>(&self, l: L, place: u32, rays: [[L::F; 3]; 2], limit: L::F) -> u32 {
+    pub fn in_all_lanes<L: Lanes>(&self, l: L, center: [f32; 3], place: u32) -> [[L::F; 3]; 3] {
         let place = place as usize % WIDTH;
-        let Self { corner, edges: [e1, e2], .. } = self;
-        let triangle = [pick(l, corner, place), pick(l, e1, place), pick(l, e2, place)];
-        self.may_hit(l, triangle, rays, limit)
+        let [a, b, c] = &self.corners;
+        triangle(l, center, [pick(l, a, place), pick(l, b, place), pick(l, c, place)])
     }
 
-    /// In each lane a triangle (corner and edges) and a ray (origin and direction).
+    /// In each lane a triangle (corner and edges), a ray (origin and direction) and its limit: bit i is lane i's.
     #[inline(always)]
-    fn may_hit<L: Lanes>(&self, l: L, [a, e1, e2]: [[L::F; 3]; 3], [o, d]: [[L::F; 3]; 2], limit: L::F) -> u32 {
-        let c = [l.sub(a[0], o[0]), l.sub(a[1], o[1]), l.sub(a[2], o[2])];
+    pub fn may_hit<L: Lanes>(
+        &self,
+        l: L,
+        [a, e1, e2]: [[L::F; 3]; 3],
+        [o, d]: [[L::F; 3]; 2],
+        limit: L::F,
+    ) -> u32 {
+        let c = difference(l, a, o);
         let r = cross(l, c, d);
         let n = cross(l, e1, e2);
         let (det, u, minus_v, t) = (dot(l, d, n), dot(l, e2, r), dot(l, e1, r), dot(l, c, n));
@@ -130,14 +141,15 @@ impl Block {
 
     /// Boxes around the triangles, three lower and three upper planes, margin included.
     #[inline(always)]
-    pub fn boxes<L: Lanes>(&self, l: L) -> [L::F; 6] {
-        let (zero, lower, upper) = (l.splat(0.0), l.splat(-BOX_MARGIN), l.splat(BOX_MARGIN));
-        let mut planes = [zero; 6];
+    pub fn boxes<L: Lanes>(&self, l: L, center: [f32; 3]) -> [L::F; 6] {
+        let (lower, upper) = (l.splat(-BOX_MARGIN), l.splat(BOX_MARGIN));
+        let mut planes = [lower; 6];
         for axis in 0..3 {
-            let (a, e1, e2) =
-                (l.load(&self.corner[axis]), l.load(&self.edges[0][axis]), l.load(&self.edges[1][axis]));
-            planes[axis] = l.add(l.add(a, l.min(l.min(e1, e2), zero)), lower);
-            planes[axis + 3] = l.add(l.add(a, l.max(l.max(e1, e2), zero)), upper);
+            let [a, b, c] = &self.corners;
+            let (a, b, c) = (l.load(&a[axis]), l.load(&b[axis]), l.load(&c[axis]));
+            let center = l.splat(center[axis]);
+            planes[axis] = l.add(l.sub(l.min(l.min(a, b), c), center), lower);
+            planes[axis + 3] = l.add(l.sub(l.max(l.max(a, b), c), center), upper);
         }
         planes
     }
@@ -152,6 +164,18 @@ impl Block {
     pub fn number(&self, place: u32) -> u32 {
         self.numbers[place as usize % WIDTH]
     }
+}
+
+/// Corner and edges of triangles, of which the corners are given in the frame's scale.
+#[inline(always)]
+fn triangle<L: Lanes>(l: L, center: [f32; 3], [a, b, c]: [[L::F; 3]; 3]) -> [[L::F; 3]; 3] {
+    let center = splat(l, center);
+    [difference(l, a, center), difference(l, b, a), difference(l, c, a)]
+}
+
+#[inline(always)]
+fn difference<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
+    [l.sub(a[0], b[0]), l.sub(a[1], b[1]), l.sub(a[2], b[2])]
 }
 
 #[inline(always)]

@@ -25,7 +25,13 @@ pub struct Walk<'a, V> {
     pub ray: &'a CullRay,
     pub limit: f32,
     pub visit: &'a mut V,
+    pub stack: &'a mut Stack,
 }
+
+/// Pending boxes, and where the ray enters them.
+pub type Stack = [(f32, Child); STACK];
+
+pub const EMPTY_STACK: Stack = [(0.0, Child::NONE); STACK];
 
 /// A leaf's number is enough for a closure.
 pub struct Call<F>(pub F);
@@ -89,7 +95,6 @@ impl<V: Visit> Task for Walk<'_, V> {
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) -> f32 {
         let lanes = RayLanes::new(l, self.ray);
-        let mut stack = [(0.0f32, Child::NONE); STACK];
         let mut height = 0;
         let mut current = self.start;
         loop {
@@ -116,7 +121,7 @@ impl<V: Visit> Task for Walk<'_, V> {
                             return self.limit;
                         }
                     } else {
-                        current = pushed(node, first, met, &distances, &mut stack, &mut height);
+                        current = pushed(node, first, met, &distances, self.stack, &mut height);
                         continue;
                     }
                 }
@@ -126,7 +131,7 @@ impl<V: Visit> Task for Walk<'_, V> {
                     return self.limit;
                 }
                 height -= 1;
-                let (near, child) = stack[height];
+                let (near, child) = self.stack[height];
                 if near <= self.limit {
                     current = child;
                     break;
@@ -143,7 +148,7 @@ fn pushed(
     first: usize,
     mut met: u32,
     distances: &[f32; WIDTH],
-    stack: &mut [(f32, Child); STACK],
+    stack: &mut Stack,
     height: &mut usize,
 ) -> Child {
     let mut nearest = (distances[first], node.children[first]);
@@ -177,7 +182,8 @@ impl<V: Visit> Walk<'_, V> {
             if distances[place] <= self.limit {
                 let start = node.children[place];
                 let Self { tree, ray, limit, .. } = *self;
-                self.limit = l.enter(Walk { tree, start, ray, limit, visit: &mut *self.visit });
+                let (visit, stack) = (&mut *self.visit, &mut { EMPTY_STACK });
+                self.limit = l.enter(Walk { tree, start, ray, limit, visit, stack });
             }
         }
     }

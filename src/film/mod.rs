@@ -26,14 +26,18 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Maps depths from `depth_range` to \[0, 1\]; a range without extent is black.
-    pub fn of(seen: &Seen, (min, max): (Real, Real)) -> Self {
-        let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
+    /// Shows what a ray saw. Maps depths from `depth_range` to \[0, 1\]; a range without extent is black. Depth and normal
+    /// stay as they are where no picture shows them.
+    #[inline]
+    pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
         let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
-        Self {
-            color: seen.color,
-            depth: if min == max { 0.0 } else { clamped(depth) },
-            normal: ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped),
+        self.color = seen.color;
+        if let Some((min, max)) = depth_range {
+            let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
+            self.depth = if min == max { 0.0 } else { clamped(depth) };
+        }
+        if shows_normals {
+            self.normal = ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped);
         }
     }
 
@@ -179,7 +183,9 @@ mod tests {
     }
 
     fn depth_of(t: Option<Real>, range: (Real, Real)) -> Real {
-        Pixel::of(&Seen { depth: t, ..Seen::default() }, range).depth
+        let mut pixel = Pixel::default();
+        pixel.show(&Seen { depth: t, ..Seen::default() }, Some(range), false);
+        pixel.depth
     }
 
     #[test]

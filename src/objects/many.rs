@@ -1,9 +1,8 @@
 //! What many rays hit of one object: the definitions of [`Object`], asked for the rays of a run at once.
 
-use super::run::{
-    HitRun, Numbers, Prepare, PreparedRun, RUN, RayRun, SurfaceRun, Vectors, WorldRun, around, numbers_in,
-};
-use super::{Aabb, Mesh, NO_TRIANGLE, Object, ObjectHit, Placement, Plane, Shape, Sphere, TriangleHits};
+use super::run::{Numbers, Prepare, PreparedRun, RUN, RayRun, Vectors, WorldRun, around, numbers_in};
+use super::{Aabb, Mesh, Object, Placement, Plane, PreparedRay, Shape, Sphere, TriangleHits};
+use super::{HitRun, SurfaceRun};
 use crate::accel::kept::Kept;
 use crate::accel::simd::{Lanes, Level, Task};
 use vecmath::Real;
@@ -51,24 +50,13 @@ impl Object {
         match &self.shape {
             Shape::Mesh(mesh) => {
                 let Scratch { rays, inverse_direction, in_mesh, triangle_hits, .. } = &mut *scratch;
-                for number in numbers_in(mask) {
-                    in_mesh.t[number] = hits.limit(number, index);
-                }
+                level.run(SetLimits { index, mask, hits, limits: &mut in_mesh.t });
                 let mesh = &meshes[*mesh as usize];
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
-                mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
-                for number in numbers_in(mask) {
-                    if in_mesh.triangle[number] == NO_TRIANGLE {
-                        continue;
-                    }
-                    let limit = hits.limit(number, index);
-                    let Some(near) = self.entry(&world.prepared(level).get(number), limit) else { continue };
-                    let hit = in_mesh.get(number);
-                    let t = hit.t.max(near);
-                    if t < limit {
-                        hits.object[number] = index;
-                        hits.at.set(number, ObjectHit { t, ..hit });
-                    }
+                let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
+                if hit != 0 {
+                    let world = world.rays();
+                    level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
                 }
             }
             Shape::Triangle(_) => {
@@ -106,9 +94,8 @@ impl Object {
                 let mesh = &meshes[*mesh as usize];
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let met = mesh.any_hits(rays, mask, triangle_hits, t_max);
-                for number in numbers_in(met) {
-                    let near = self.entry(&world.prepared(level).get(number), t_max[number]);
-                    found |= u64::from(near.is_some()) << number;
+                if met != 0 {
+                    found = level.run(Entering { object: self, world: world.rays(), mask: met, t_max });
                 }
             }
             Shape::Triangle(_) => {
@@ -257,5 +244,79 @@ impl Task for KeepNearest<'_> {
             hits.at.t[number] = if takes { new } else { old };
             hits.object[number] = if takes { index } else { before };
         }
+    }
+}
+
+/// Says below which t hits of an object count.
+struct SetLimits<'a> {
+    index: u32,
+    mask: u64,
+    hits: &'a HitRun,
+    limits: &'a mut Numbers,
+}
+
+impl Task for SetLimits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        for number in around(self.mask) {
+            self.limits[number] = self.hits.limit(number, self.index);
+        }
+    }
+}
+
+/// Replaces hits by nearer ones on a mesh, of those rays that have one there.
+struct KeepNearestInMesh<'a> {
+    object: &'a Object,
+    index: u32,
+    world: &'a RayRun,
+    mask: u64,
+    in_mesh: &'a SurfaceRun,
+    hits: &'a mut HitRun,
+}
+
+impl Task for KeepNearestInMesh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { object, index, world, mask, in_mesh, hits } = self;
+        for number in around(mask) {
+            let (old, before) = (hits.at.t[number], hits.object[number]);
+            let (meets, near) = object.meets(&PreparedRay::new(world.get(number)), old);
+            let new = in_mesh.t[number].max(near);
+            let is_nearer = (new < old) | ((new == old) & (index < before));
+            let takes = meets & is_nearer & (mask >> number & 1 == 1);
+            hits.at.t[number] = if takes { new } else { old };
+            hits.object[number] = if takes { index } else { before };
+            let (triangle, kept) = (in_mesh.triangle[number], hits.at.triangle[number]);
+            hits.at.triangle[number] = if takes { triangle } else { kept };
+            let (weights, kept) = (in_mesh.barycentric.get(number), hits.at.barycentric.get(number));
+            hits.at.barycentric.set(number, if takes { weights } else { kept });
+        }
+    }
+}
+
+/// Tells those rays of a mask that meet the bounds of an object within their `t_max`.
+struct Entering<'a> {
+    object: &'a Object,
+    world: &'a RayRun,
+    mask: u64,
+    t_max: &'a Numbers,
+}
+
+impl Task for Entering<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> u64 {
+        let mut met = 0;
+        for number in around(self.mask) {
+            let ray = PreparedRay::new(self.world.get(number));
+            let (meets, _) = self.object.meets(&ray, self.t_max[number]);
+            met |= u64::from(meets) << number;
+        }
+        met & self.mask
     }
 }

@@ -4,6 +4,7 @@
 //! Everywhere, a ray is `origin + t * direction` with `direction` of any length, and a hit has 0 < t < [`T_MAX`].
 
 mod aabb;
+mod hit_run;
 mod many;
 mod mesh;
 mod mesh_many;
@@ -17,8 +18,8 @@ mod surface;
 mod triangle;
 
 pub use aabb::Aabb;
+pub use hit_run::{HitRun, SurfaceRun};
 pub use mesh::{Mesh, MeshHit};
-pub use mesh_many::NO_TRIANGLE;
 pub use placement::Placement;
 pub use plane::Plane;
 pub use ray::{PreparedRay, Ray};
@@ -141,10 +142,17 @@ impl Object {
 
     #[inline(always)]
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
+        let (meets, near) = self.meets(world, t_max);
+        meets.then_some(near)
+    }
+
+    /// Whether a ray meets the bounds at a t up to `t_max`, and where.
+    #[inline(always)]
+    fn meets(&self, world: &PreparedRay, t_max: Real) -> (bool, Real) {
         match &self.bounds {
-            Some(bounds) if self.spread == 0.0 => bounds.entry(world, 0.0, t_max),
-            Some(bounds) => bounds.entry(world, self.spread * world.ray.origin.max_abs(), t_max),
-            None => Some(0.0),
+            Some(bounds) if self.spread == 0.0 => bounds.meets(world, 0.0, t_max),
+            Some(bounds) => bounds.meets(world, self.spread * world.ray.origin.max_abs(), t_max),
+            None => (true, 0.0),
         }
     }
 

@@ -1,7 +1,8 @@
 //! The normals where many rays have hit one object: the definition of [`Object::normal`], asked for the rays of a run
 //! at once.
 
-use super::run::{RayRun, SurfaceRun, Vectors, around, numbers_in};
+use super::SurfaceRun;
+use super::run::{RayRun, Vectors, around, numbers_in};
 use super::{Mesh, Object, Placement, Shape, Sphere};
 use crate::accel::simd::{Lanes, Level, Task};
 use vecmath::Vector3;

@@ -38,7 +38,9 @@ pub struct RayMaker<'a> {
     grid: PixelGrid,
     is_filtered: bool,
     level: Level,
-    depth_range: (Real, Real),
+    /// If there is a picture of depths.
+    depth_range: Option<(Real, Real)>,
+    shows_normals: bool,
     /// `None`: one sample in the corner of the pixel.
     patterns: Option<Vec<(u32, SamplePattern)>>,
     seed: u64,
@@ -47,7 +49,6 @@ pub struct RayMaker<'a> {
 impl<'a> RayMaker<'a> {
     pub fn new(scene: &'a Scene, args: &'a RenderArgs, sizes: &SetSizes) -> Self {
         let finer = if args.filter { 3 } else { 1 };
-        let depth = args.depth.as_ref();
         let sizes = match *sizes {
             SetSizes::One(samples) | SetSizes::Singles(samples) => vec![samples],
             SetSizes::Halves(first, second) => vec![first, second],
@@ -58,7 +59,8 @@ impl<'a> RayMaker<'a> {
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
             is_filtered: args.filter,
             level: args.simd,
-            depth_range: depth.map_or((0.0, 1.0), |depth| (depth.min as Real, depth.max as Real)),
+            depth_range: args.depth.as_ref().map(|depth| (depth.min as Real, depth.max as Real)),
+            shows_normals: args.normals.is_some(),
             patterns: args.jitter.then(|| patterns.collect()),
             seed: args.seed,
         }
@@ -94,7 +96,15 @@ impl<'a> RayMaker<'a> {
 
     /// What a ray saw as the pictures show it.
     pub fn displayed(&self, seen: &Seen) -> Pixel {
-        Pixel::of(seen, self.depth_range)
+        let mut pixel = Pixel::default();
+        self.display(seen, &mut pixel);
+        pixel
+    }
+
+    /// The same, in place of a pixel of zeros.
+    #[inline]
+    pub fn display(&self, seen: &Seen, pixel: &mut Pixel) {
+        pixel.show(seen, self.depth_range, self.shows_normals);
     }
 }
 

@@ -41,6 +41,13 @@ impl Surfaces {
     /// Sets the material of the surfaces of a mask.
     pub fn set_material(&mut self, mask: u64, material: &Material) {
         self.mirrors = if material.is_mirror() { self.mirrors | mask } else { self.mirrors & !mask };
+        if mask == u64::MAX {
+            for (to, from) in [(&mut self.diffuse, material.diffuse), (&mut self.specular, material.specular)] {
+                to.0 = from.to_array().map(|component| [component; RUN]);
+            }
+            self.shininess = [material.shininess; RUN];
+            return;
+        }
         for number in numbers_in(mask) {
             self.diffuse.set(number, material.diffuse);
             self.specular.set(number, material.specular);
@@ -140,17 +147,15 @@ impl Task for Illuminate<'_> {
             }
         }
         powers(&mut lit.highlight, &surfaces.shininess, mask);
+        let mut any_added = 0;
         for number in lanes {
             let (to_light, intensity) = (lit.to_light.get(number), lit.intensity.get(number));
             let cosine = surfaces.normal.get(number).dot(to_light);
             let added = surfaces.material(number).reflect(intensity, cosine, lit.highlight[number]);
             lit.added.set(number, added);
+            any_added |= u64::from((added.x != 0.0) | (added.y != 0.0) | (added.z != 0.0)) << number;
         }
-        let mut added = 0;
-        for number in numbers_in(mask) {
-            added |= u64::from(lit.added.get(number) != Vector3::ZERO) << number;
-        }
-        added
+        any_added & mask
     }
 }
 

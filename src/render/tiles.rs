@@ -174,7 +174,14 @@ impl<'a> Sampler<'a> {
         let start = self.args.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / pixels.len();
         let seen = std::mem::take(&mut self.seen);
-        resolved.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
+        if rays_a_pixel == 1 && !self.args.jitter {
+            let first = resolved.len();
+            resolved.resize(first + seen.len(), Pixel::default());
+            // In place: a pixel is large, and copied more slowly than it is made.
+            resolved[first..].iter_mut().zip(&seen).for_each(|(pixel, seen)| self.maker.display(seen, pixel));
+        } else {
+            resolved.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
+        }
         self.seen = seen;
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
     }
@@ -182,9 +189,6 @@ impl<'a> Sampler<'a> {
     /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
     /// of the traced grid, with `-filter` the filtered block of those.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
-        if let ([seen], false) = (seen, self.args.jitter) {
-            return self.maker.displayed(seen);
-        }
         match self.sizes {
             SetSizes::One(samples) => self.mean_of(seen, 0..samples as usize),
             SetSizes::Halves(first, second) => {

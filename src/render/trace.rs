@@ -6,8 +6,9 @@
 use super::robust::{Departure, Epsilon};
 use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
 use crate::light::Light;
+use crate::objects::HitRun;
 use crate::objects::Ray;
-use crate::objects::run::{HitRun, Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
+use crate::objects::run::{Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
@@ -137,21 +138,18 @@ impl<'a> Tracer<'a> {
         let scene = self.scene;
         let Room { hits, surfaces, .. } = &mut *self.room;
         scene.accelerator.closest_hits(&scene.objects, &scene.meshes, rays, mask, hits);
-        let mut hit = 0;
-        for number in numbers_in(mask) {
-            hit |= u64::from(hits.object[number] != HitRun::NOTHING) << number;
-        }
+        let level = self.plan.simd;
+        let hit = mask & !hits.of_object(level, mask, HitRun::NOTHING);
         let mut rest = if self.plan.color || self.plan.normals { hit } else { 0 };
         while rest != 0 {
             let index = hits.object[rest.trailing_zeros() as usize % RUN];
-            let mut of_object = 0;
-            for number in numbers_in(rest) {
-                of_object |= u64::from(hits.object[number] == index) << number;
-            }
-            rest &= !of_object;
+            let of_object = hits.of_object(level, rest, index);
             let object = &scene.objects[index as usize];
-            object.normals(&scene.meshes, self.plan.simd, rays, of_object, &hits.at, &mut surfaces.normal);
-            surfaces.set_material(of_object, &scene.materials[object.material as usize]);
+            object.normals(&scene.meshes, level, rays, of_object, &hits.at, &mut surfaces.normal);
+            // The first object's material may stand for all others until they are asked.
+            let mask = if rest == hit { u64::MAX } else { of_object };
+            surfaces.set_material(mask, &scene.materials[object.material as usize]);
+            rest &= !of_object;
         }
         hit
     }

@@ -43,7 +43,9 @@ fn sixty_five_thousand_pixels_wide() {
 fn depth_ranges() {
     let depth = |t: f64, min: f64, max: f64| {
         let seen = Seen { depth: Some(t as Real), ..Seen::default() };
-        f64::from(Pixel::of(&seen, (min as Real, max as Real)).depth)
+        let mut pixel = Pixel::default();
+        pixel.show(&seen, Some((min as Real, max as Real)), false);
+        f64::from(pixel.depth)
     };
     check_that("depth range without extent: black", depth(5.0, 5.0, 5.0) == 0.0 && depth(6.0, 5.0, 5.0) == 0.0);
     check_that("inverted depth range: inverted", depth(9.0, 12.0, 8.0) == 0.75);

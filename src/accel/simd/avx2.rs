@@ -139,6 +139,26 @@ impl Lanes for Avx2 {
         unsafe { _mm256_movemask_ps(mask) as u32 }
     }
 
+    #[inline(always)]
+    fn least(self, a: __m256) -> f32 {
+        // SAFETY: the processor has AVX2 and FMA.
+        unsafe {
+            let b = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+            let b = _mm_min_ps(b, _mm_movehl_ps(b, b));
+            _mm_cvtss_f32(_mm_min_ss(b, _mm_movehdup_ps(b)))
+        }
+    }
+
+    #[inline(always)]
+    fn greatest(self, a: __m256) -> f32 {
+        // SAFETY: the processor has AVX2 and FMA.
+        unsafe {
+            let b = _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
+            let b = _mm_max_ps(b, _mm_movehl_ps(b, b));
+            _mm_cvtss_f32(_mm_max_ss(b, _mm_movehdup_ps(b)))
+        }
+    }
+
     #[inline]
     fn enter<T: Task>(self, task: T) -> T::Output {
         #[target_feature(enable = "avx2,fma,bmi1,popcnt")]

@@ -51,6 +51,10 @@ pub trait Lanes: Copy + Send + Sync {
     fn select(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
     /// Bit i is lane i's yes.
     fn bits(self, mask: Self::M) -> u32;
+    /// The smallest of eight numbers, none of them NaN.
+    fn least(self, a: Self::F) -> f32;
+    /// The largest of eight numbers, none of them NaN.
+    fn greatest(self, a: Self::F) -> f32;
     /// Runs a task compiled for this level.
     fn enter<T: Task>(self, task: T) -> T::Output;
 }
@@ -148,6 +152,7 @@ mod tests {
                 numbers.push(eight);
             }
             let (x, y) = (l.le(a, b), l.le(c, a));
+            assert_eq!((l.least(a), l.greatest(a), l.least(c)), (-7.0, 6.5, 3.0));
             (numbers, vec![l.bits(x), l.bits(y), l.bits(l.and(x, y)), l.bits(l.or(x, y))])
         }
     }

@@ -106,6 +106,16 @@ impl Lanes for Scalar {
         mask.iter().enumerate().fold(0, |bits, (i, &yes)| bits | u32::from(yes) << i)
     }
 
+    #[inline(always)]
+    fn least(self, a: Eight) -> f32 {
+        a.into_iter().fold(f32::INFINITY, f32::min)
+    }
+
+    #[inline(always)]
+    fn greatest(self, a: Eight) -> f32 {
+        a.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+
     fn enter<T: Task>(self, task: T) -> T::Output {
         task.run(self)
     }
