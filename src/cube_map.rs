@@ -232,10 +232,8 @@ impl Face {
         let (column, row) = (column as usize, row as usize);
         let (left_of, right_of) = (column.min(self.width - 1), (column + 1).min(self.width - 1));
         let (upper, lower) = (row.min(self.height - 1) * self.width, (row + 1).min(self.height - 1) * self.width);
-        let texel = |index: usize| {
-            let channels = &texels[3 * index..3 * index + 3];
-            Vector3::new(SHARE[channels[0] as usize], SHARE[channels[1] as usize], SHARE[channels[2] as usize])
-        };
+        let (texels, _) = texels.as_chunks::<3>();
+        let texel = |index: usize| Vector3::from(texels[index].map(|channel| SHARE[channel as usize]));
         let texels =
             [texel(upper + left_of), texel(upper + right_of), texel(lower + left_of), texel(lower + right_of)];
         Texels { texels, right, below }
