@@ -281,11 +281,26 @@ fn a_scene_answers_as_the_loop_does() {
                 let (mut run, mut t_max, mut nearest) = (RayRun::NONE, [0.0; RUN], HitRun::NONE);
                 rays.iter().enumerate().for_each(|(number, ray)| run.set(number, *ray));
                 t_max[..limits.len()].copy_from_slice(limits);
-                let mask = first(rays.len());
-                accelerator.closest_hits(&objects, &meshes, &run, mask, &mut nearest);
-                hits.extend(numbers_in(mask).map(|number| nearest.get(number, &objects)));
-                let any = accelerator.any_hits(&objects, &meshes, &run, mask, &t_max);
-                found.extend(numbers_in(mask).map(|number| any >> number & 1 == 1));
+                let all = first(rays.len());
+                // Whoever else is asked about changes nothing.
+                let parts = [all, all & 0xffff_f7ff_0ff0_ff5d, all & !0xffff_f7ff_0ff0_ff5d];
+                let mut answers = [(); 3].map(|()| Vec::new());
+                for (mask, answers) in parts.into_iter().zip(&mut answers) {
+                    accelerator.closest_hits(&objects, &meshes, &run, mask, &mut nearest);
+                    let any = accelerator.any_hits(&objects, &meshes, &run, mask, &t_max);
+                    prop_assert_eq!(any & !mask, 0);
+                    let answer = |number: usize| (nearest.get(number, &objects), any >> number & 1 == 1);
+                    answers.extend(numbers_in(mask).map(|number| (number, answer(number))));
+                }
+                let [whole, one, other] = answers;
+                let mut parts: Vec<_> = one.into_iter().chain(other).collect();
+                parts.sort_by_key(|part| part.0);
+                for (whole, part) in whole.iter().zip(&parts) {
+                    prop_assert_eq!(object_bits(&whole.1.0), object_bits(&part.1.0), "{}", level);
+                    prop_assert_eq!((whole.0, whole.1.1), (part.0, part.1.1), "{}", level);
+                }
+                hits.extend(whole.iter().map(|whole| whole.1.0));
+                found.extend(whole.iter().map(|whole| whole.1.1));
             }
             prop_assert_eq!(&found, &blocked, "{}", level);
             for (number, ray) in rays.iter().enumerate() {
@@ -298,6 +313,32 @@ fn a_scene_answers_as_the_loop_does() {
         }
         Ok(())
     });
+}
+
+/// Directions so short that the reciprocal of a component has no finite value, though its share of the whole is not
+/// small.
+#[test]
+fn very_short_directions_answer_as_the_loop_does() {
+    let length = Real::MIN_POSITIVE * 1.3e8;
+    for turn in 0..3 {
+        let turned = |mut p: [Real; 3]| {
+            p.rotate_right(turn);
+            p
+        };
+        let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+        let positions = corners.map(|corner| turned(corner).map(|c| c as f32)).to_vec();
+        let mut mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]);
+        let ray = |i: u32| {
+            let share = Real::from(i as f32 - 40.0) * 0.1e-9;
+            // As short is the way to the mesh, so that t is an ordinary number.
+            let origin = turned([0.2, 0.1, 3.0 * length]).into();
+            Ray { origin, direction: turned([share * length, 0.25 * share * length, -length]).into() }
+        };
+        let rays: Vec<Ray> = (0..80).map(ray).collect();
+        let met = rays.iter().filter(|ray| any_by_loop(&mesh, &PreparedRay::new(**ray), T_MAX)).count();
+        assert!(met > 60, "{met}");
+        mesh_agrees(&mut mesh, &rays).unwrap();
+    }
 }
 
 /// A chain in which every triangle is half as large as the one before gives deep trees.

@@ -13,8 +13,8 @@
 //!
 //! **Boxes.** t of a box's plane is `plane * inverse - origin * inverse`. As an error of the plane's position: e for
 //! the rounded plane, 3e for the origin, e + e for the two products, 2 e |plane - origin| <= 4.1 e for the rounded
-//! inverse of the direction and 2.1 e for the difference: below 13 e. Comparing with a rounded limit of t adds 4 e, because
-//! |direction| <= 1. Directions nearer to an axis plane than 2^-30 are turned away from it so far: 2^-28. All
+//! inverse of the direction and 2.1 e for the difference: below 13 e. Comparing with a rounded limit of t adds 4 e,
+//! because |direction| <= 1. Directions nearer to an axis plane than 2^-30 are turned away from it so far: 2^-28. All
 //! together less than 18 e < 2^-19; [`BOX_MARGIN`] is twice that.
 //!
 //! **Triangles.** See [`triangles`](super::triangles).
@@ -33,6 +33,12 @@ const FARTHEST: Real = (1u32 << 26) as Real;
 /// Items whose spread (see [`Frame::with_spread`]) is larger than this for a ray, in the frame, are not culled. The
 /// errors above leave half of [`BOX_MARGIN`]; this is an eighth of it.
 const LARGEST_SPREAD: Real = BOX_MARGIN as Real / 8.0;
+/// Directions are longer than this: a component that is not kept from zero has a finite inverse, for it has at least
+/// 2^-30 of the length.
+const SHORTEST: Real = Real::MIN_POSITIVE * (1u64 << 33) as Real;
+/// The centre of a frame of positions is nearer than this, in its scale, so that nothing there leaves the range of
+/// `f32`.
+const FARTHEST_CENTER: Real = (1u64 << 60) as Real;
 /// No hit in the root box has a larger t in the frame.
 const LARGEST_T: f32 = 8.0;
 /// Components of directions are kept this far from zero.
@@ -87,7 +93,8 @@ impl Frame {
     /// The frame of points in `bounds` whose coordinates are numbers of `f32`. So is its centre in the frame's scale,
     /// and differences from it are as exact there as anywhere.
     pub fn of_positions(bounds: Aabb) -> Option<Self> {
-        Self::around(bounds, bounds.center().map(|c| Real::from(c as f32)))
+        let frame = Self::around(bounds, bounds.center().map(|c| Real::from(c as f32)))?;
+        ((frame.center * frame.scale).max_abs() <= FARTHEST_CENTER).then_some(frame)
     }
 
     fn around(bounds: Aabb, center: Vector3) -> Option<Self> {
@@ -152,20 +159,17 @@ impl Frame {
     #[inline]
     pub fn enter(&self, ray: &PreparedRay, t_max: Real) -> Entry {
         match self.bounds.entry(ray, 0.0, t_max) {
-            Some(start) => self.enter_at(ray, start),
+            Some(start) => match self.moved(ray, start) {
+                (cull_ray, true) => Entry::Met(cull_ray),
+                (_, false) => Entry::Unknown,
+            },
             // NaN meets every box.
             None => Entry::Missed,
         }
     }
 
-    /// The ray in the frame. At t = `start` it must be within 1 + 2^-16 of the middle on every axis, and not yet in
-    /// the box unless `start` is 0.
-    fn enter_at(&self, ray: &PreparedRay, start: Real) -> Entry {
-        let (cull_ray, is_sane) = self.moved(ray, start);
-        if is_sane { Entry::Met(cull_ray) } else { Entry::Unknown }
-    }
-
-    /// The ray in the frame as [`enter_at`](Self::enter_at) has it, and whether it can be culled.
+    /// The ray in the frame, and whether it can be culled. At t = `start` it must be within 1 + 2^-16 of the middle on
+    /// every axis, and not yet in the box unless `start` is 0.
     #[inline(always)]
     fn moved(&self, PreparedRay { ray, inverse_direction }: &PreparedRay, start: Real) -> (CullRay, bool) {
         let from_center = ray.origin - self.center;
@@ -176,7 +180,7 @@ impl Frame {
         let [x, y, z] = ray.direction.map(Real::abs).to_array();
         let largest = if x > y { x } else { y };
         let largest = if largest > z { largest } else { z };
-        let is_sane = (largest > Real::MIN_POSITIVE * 1e8)
+        let is_sane = (largest > SHORTEST)
             & (largest < Real::MAX)
             & within(ray.direction, largest)
             & (self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD)
@@ -227,6 +231,8 @@ impl Task for EnterMany<'_> {
         for number in around(mask) {
             let ray = rays.get(number);
             let (meets, near) = frame.bounds.meets(&ray, 0.0, t_max[number]);
+            // Rays outside the mask would widen the search.
+            let meets = meets & (mask >> number & 1 == 1);
             let (moved, is_sane) = frame.moved(&ray, near);
             let limit = moved.limit(t_max[number]);
             let state = if is_sane { 1.0 } else { 2.0 };
@@ -243,7 +249,7 @@ impl Task for EnterMany<'_> {
             met |= (from_one & !from_two) << (WIDTH * group);
             unknown |= from_two << (WIDTH * group);
         }
-        (met & mask, unknown & mask)
+        (met, unknown)
     }
 }
 

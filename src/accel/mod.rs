@@ -7,7 +7,7 @@
 //! [`build`] makes a [`Tree`](tree::Tree) of boxes, [`walk`] takes one ray through it and [`beam`] up to 64; all of it
 //! is written once, in the lanes of [`simd`].
 
-pub mod beam;
+mod beam;
 mod build;
 mod bundle;
 mod frame;

@@ -54,14 +54,6 @@ impl Child {
     pub fn index(self) -> usize {
         (self.0 & !LEAF_BIT) as usize
     }
-
-    /// The same, of nodes and leaves that stand behind `nodes` and `leaves` others.
-    pub fn moved(self, nodes: u32, leaves: u32) -> Self {
-        match self {
-            Self::NONE => self,
-            _ => Self(self.0 + if self.is_leaf() { leaves } else { nodes }),
-        }
-    }
 }
 
 impl Node {

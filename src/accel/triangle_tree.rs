@@ -44,7 +44,7 @@ struct Culled {
 }
 
 impl TriangleTree {
-    /// A tree over triangles 0 to `count`, which lie in `bounds`.
+    /// A tree over triangles 0 to `count`, which lie in `bounds`. The coordinates of their corners are numbers of `f32`.
     pub fn build(count: usize, bounds: &Aabb, corners: impl Fn(u32) -> [Vector3; 3] + Sync) -> Self {
         let culled = Frame::of_positions(*bounds).and_then(|frame| Culled::build(frame, count, &corners));
         Self { culled, count: count as u32, level: Level::detected() }

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! and it lies in the triangle if U, V and W have one sign. In the [`Frame`](super::frame::Frame), let e = 2^-24 and
-//! h the largest component of e1 and e2, differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each axis, errors (also those of the definition, which the frame bounds by e) add up to
+//! h the largest component of e1 and e2, differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each axis,
+//! errors (also those of the definition, which the frame bounds by e) add up to
 //!
 //! - C: 1 e for a, 3 e for o, 2 e for the difference: 6 e;
 //! - R: 2 (6 e |d| + 2 e |C|) + 3 roundings of at most 4: below 32 e;
@@ -19,8 +20,8 @@
 //! - N: 2 (2 e h^2) + 3 roundings of 2 h^2: below 10 e h^2; D: 3 (10 + 2) e h^2 + 3 roundings of 6 h^2: below
 //!   54 e h^2 <= 108 e h, because h <= 2;
 //! - W: 144 + 144 + 108 and two roundings of 30 h: below 460 e h;
-//! - T: 3 (6 e 2 h^2 + 2 * 10 e h^2) + 3 roundings of 12 h^2: below 132 e h^2; compared with t D, t <= 4: 350 e h^2 more;
-//!   where |D| is within its error its sign means nothing: then |T| <= 4 * 54 e h^2 + 132 e h^2 for a true hit.
+//! - T: 3 (6 e 2 h^2 + 2 * 10 e h^2) + 3 roundings of 12 h^2: below 132 e h^2; compared with t D, t <= 4: 350 e h^2
+//!   more; where |D| is within its error its sign means nothing: then |T| <= 4 * 54 e h^2 + 132 e h^2 for a true hit.
 //!
 //! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The definition's t is never before the entry into the
 //! triangle's box, which the exact t is not either.

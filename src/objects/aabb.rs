@@ -37,12 +37,6 @@ impl Aabb {
         self.max - self.min
     }
 
-    /// The surface area, infinite for boxes too large for it.
-    pub fn area(&self) -> Real {
-        let s = self.size();
-        2.0 * (s.x * s.y + s.y * s.z + s.z * s.x)
-    }
-
     /// The largest distance of a point of the box from the origin, in the maximum norm.
     pub fn max_abs(&self) -> Real {
         self.min.max_abs().max(self.max.max_abs())

@@ -35,7 +35,33 @@ thread_local! {
     static SCRATCH: Kept<Scratch> = const { Kept::new(None) };
 }
 
+/// How an object is best asked about some rays.
+enum Way<'a> {
+    Mesh(&'a Mesh),
+    Smooth(Smooth<'a>),
+    OneByOne,
+}
+
+/// What is hit in a place that a formula gives.
+#[derive(Clone, Copy)]
+enum Smooth<'a> {
+    Plane(&'a Plane),
+    Sphere(&'a Sphere, &'a Aabb),
+}
+
 impl Object {
+    fn way<'a>(&'a self, meshes: &'a [Mesh], mask: u64) -> Way<'a> {
+        match (&self.shape, &self.bounds) {
+            _ if mask.is_power_of_two() => Way::OneByOne,
+            (Shape::Mesh(mesh), _) => Way::Mesh(&meshes[*mesh as usize]),
+            (Shape::Plane(plane), None) => Way::Smooth(Smooth::Plane(plane)),
+            (Shape::Sphere(sphere), Some(bounds)) if self.spread == 0.0 => {
+                Way::Smooth(Smooth::Sphere(sphere, bounds))
+            }
+            _ => Way::OneByOne,
+        }
+    }
+
     /// Replaces the nearest hits of the rays of a mask where those of this object, which has this `index`, are nearer.
     pub fn closest_hits(
         &self,
@@ -47,11 +73,10 @@ impl Object {
         hits: &mut HitRun,
     ) {
         let mut scratch = SCRATCH.take().unwrap_or_default();
-        match &self.shape {
-            Shape::Mesh(mesh) => {
-                let Scratch { rays, inverse_direction, in_mesh, triangle_hits, .. } = &mut *scratch;
+        let Scratch { rays, inverse_direction, t, in_mesh, triangle_hits } = &mut *scratch;
+        match self.way(meshes, mask) {
+            Way::Mesh(mesh) => {
                 level.run(SetLimits { index, mask, hits, limits: &mut in_mesh.t });
-                let mesh = &meshes[*mesh as usize];
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
                 if hit != 0 {
@@ -59,19 +84,18 @@ impl Object {
                     level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
                 }
             }
-            Shape::Triangle(_) => {
-                let prepared = world.prepared(level);
+            Way::Smooth(smooth) => {
+                self.distances(smooth, level, world, mask, &hits.at.t, rays, t);
+                level.run(KeepNearest { index, mask, t, hits });
+            }
+            Way::OneByOne => {
                 for number in numbers_in(mask) {
-                    if let Some(hit) = self.closest_hit(meshes, &prepared.get(number), hits.limit(number, index)) {
+                    let ray = PreparedRay::new(world.rays().get(number));
+                    if let Some(hit) = self.closest_hit(meshes, &ray, hits.limit(number, index)) {
                         hits.object[number] = index;
                         hits.at.set(number, hit);
                     }
                 }
-            }
-            Shape::Sphere(_) | Shape::Plane(_) => {
-                let Scratch { rays, t, .. } = &mut *scratch;
-                self.distances(level, world, mask, &hits.at.t, rays, t);
-                level.run(KeepNearest { index, mask, t, hits });
             }
         }
         SCRATCH.set(Some(scratch));
@@ -89,25 +113,24 @@ impl Object {
         let mut scratch = SCRATCH.take().unwrap_or_default();
         let Scratch { rays, inverse_direction, t, triangle_hits, .. } = &mut *scratch;
         let mut found = 0;
-        match &self.shape {
-            Shape::Mesh(mesh) => {
-                let mesh = &meshes[*mesh as usize];
+        match self.way(meshes, mask) {
+            Way::Mesh(mesh) => {
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let met = mesh.any_hits(rays, mask, triangle_hits, t_max);
                 if met != 0 {
                     found = level.run(Entering { object: self, world: world.rays(), mask: met, t_max });
                 }
             }
-            Shape::Triangle(_) => {
-                let prepared = world.prepared(level);
-                for number in numbers_in(mask) {
-                    found |= u64::from(self.any_hit(meshes, &prepared.get(number), t_max[number])) << number;
-                }
-            }
-            Shape::Sphere(_) | Shape::Plane(_) => {
-                self.distances(level, world, mask, t_max, rays, t);
+            Way::Smooth(smooth) => {
+                self.distances(smooth, level, world, mask, t_max, rays, t);
                 for number in numbers_in(mask) {
                     found |= u64::from(t[number] <= t_max[number]) << number;
+                }
+            }
+            Way::OneByOne => {
+                for number in numbers_in(mask) {
+                    let ray = PreparedRay::new(world.rays().get(number));
+                    found |= u64::from(self.any_hit(meshes, &ray, t_max[number])) << number;
                 }
             }
         }
@@ -130,10 +153,12 @@ impl Object {
         PreparedRun { rays, inverse_direction }
     }
 
-    /// The places where rays of a mask meet this sphere or plane, at a t up to and including `t_max` or not much beyond;
-    /// infinite where they do not.
+    /// The places where rays of a mask meet a smooth shape, at a t up to and including `t_max` or not much beyond;
+    /// infinite where they do not. `rays` is room for the rays in object space.
+    #[expect(clippy::too_many_arguments)]
     fn distances(
         &self,
+        smooth: Smooth,
         level: Level,
         world: &mut WorldRun,
         mask: u64,
@@ -144,18 +169,16 @@ impl Object {
         if let Some(placement) = &self.placement {
             level.run(ToObject { placement, world: world.rays(), mask, rays });
         }
-        match &self.shape {
-            Shape::Plane(plane) => {
+        match smooth {
+            Smooth::Plane(plane) => {
                 let rays = if self.placement.is_some() { rays } else { world.rays() };
                 level.run(PlaneHits { plane, rays, mask, t });
             }
-            Shape::Sphere(sphere) => {
+            Smooth::Sphere(sphere, bounds) => {
                 let world = world.prepared(level);
                 let rays = if self.placement.is_some() { rays } else { world.rays };
-                let bounds = self.bounds.as_ref().unwrap_or(&Aabb::EMPTY);
                 level.run(SphereHits { sphere, bounds, world, rays, mask, t_max, t });
             }
-            Shape::Triangle(_) | Shape::Mesh(_) => {}
         }
     }
 }

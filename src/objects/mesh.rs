@@ -29,8 +29,8 @@ pub struct MeshHit {
     pub hit: TriangleHit,
 }
 
-/// So many normals of faces are at hand while they are added up.
-const FACES_AT_ONCE: usize = 1 << 16;
+/// So many normals of faces are at hand while they are added up, and so many positions are looked at by one thread.
+const AT_ONCE: usize = 1 << 16;
 
 impl Mesh {
     /// A mesh of these positions and corner indices, which must be in range.
@@ -64,8 +64,8 @@ impl Mesh {
         // Each thread adds up a range of the positions: every sum is made in the order of the file.
         let range = sums.len().div_ceil(rayon::current_num_threads()).max(1);
         let mut normals = Vec::new();
-        for (chunk, triangles) in self.triangles.chunks(FACES_AT_ONCE).enumerate() {
-            let first = (chunk * FACES_AT_ONCE) as u32;
+        for (chunk, triangles) in self.triangles.chunks(AT_ONCE).enumerate() {
+            let first = (chunk * AT_ONCE) as u32;
             let face_normal = |index| face_normal(self.corners(first + index));
             (0..triangles.len() as u32).into_par_iter().map(face_normal).collect_into_vec(&mut normals);
             sums.par_chunks_mut(range).enumerate().for_each(|(number, sums)| {
@@ -193,7 +193,7 @@ impl MeshSearch {
 }
 
 fn bounds_of(positions: &[[f32; 3]]) -> Aabb {
-    let parts = positions.par_chunks(FACES_AT_ONCE);
+    let parts = positions.par_chunks(AT_ONCE);
     let bounds = parts.map(|part| Aabb::of_points(part.iter().map(|&position| to_vector(position))));
     bounds.reduce(|| Aabb::EMPTY, |a, b| a.union(&b))
 }
@@ -229,7 +229,7 @@ mod tests {
         let positions: Vec<_> = (0..1000).map(position).collect();
         let corner = |i: u32| i % 1009 % 1000;
         let triangles: Vec<_> =
-            (0..FACES_AT_ONCE as u32 + 5).map(|i| [corner(i), corner(3 * i), corner(7 * i + 1)]).collect();
+            (0..AT_ONCE as u32 + 5).map(|i| [corner(i), corner(3 * i), corner(7 * i + 1)]).collect();
         let mesh = Mesh::new(positions, triangles);
         let mut sums = vec![Vector3::ZERO; 1000];
         for (index, corners) in mesh.triangles.iter().enumerate() {

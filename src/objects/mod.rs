@@ -1,5 +1,6 @@
-//! What a ray can hit. Each file holds one object's definition of a hit, in [`Real`] and scalar: the truth that every
-//! faster test may only prepare, never replace.
+//! What a ray can hit. `sphere`, `plane`, `triangle`, `mesh` and, for all of them, this file hold the definition of a hit,
+//! in [`Real`] and scalar: the truth that every faster test may only prepare, never replace. `many`, `mesh_many` and
+//! `normals` ask these definitions for the rays of a [`run`] at once.
 //!
 //! Everywhere, a ray is `origin + t * direction` with `direction` of any length, and a hit has 0 < t < [`T_MAX`].
 

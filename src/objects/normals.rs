@@ -7,6 +7,9 @@ use super::{Mesh, Object, Placement, Shape, Sphere};
 use crate::accel::simd::{Lanes, Level, Task};
 use vecmath::Vector3;
 
+/// So few rays are asked about one by one.
+const FEW: u32 = 3;
+
 impl Object {
     /// [`normal`](Self::normal) where the rays of a mask have hit this object.
     pub fn normals(
@@ -18,6 +21,12 @@ impl Object {
         hits: &SurfaceRun,
         normals: &mut Vectors,
     ) {
+        if mask.count_ones() <= FEW {
+            for number in numbers_in(mask) {
+                normals.set(number, self.normal(meshes, &rays.get(number), &hits.get(number)));
+            }
+            return;
+        }
         let placement = self.placement.as_deref();
         match &self.shape {
             Shape::Plane(_) | Shape::Triangle(_) => {

@@ -26,10 +26,6 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
-    /// Stands where no ray is.
-    pub const NONE: Self =
-        Self { ray: Ray { origin: Vector3::ZERO, direction: Vector3::ZERO }, inverse_direction: Vector3::ZERO };
-
     pub fn new(ray: Ray) -> Self {
         Self { ray, inverse_direction: ray.direction.map(|d| 1.0 / d) }
     }

@@ -7,6 +7,7 @@ use super::robust::shadow_limit;
 use crate::accel::simd::{Lanes, Task};
 use crate::light::{Illumination, Light, from_direction, from_point};
 use crate::material::{Material, mirrored, powers};
+use crate::objects::Ray;
 use crate::objects::run::{Numbers, RUN, RayRun, Vectors, around, numbers_in};
 use std::ops::Range;
 use vecmath::{Real, Vector3};
@@ -53,6 +54,12 @@ impl Surfaces {
             self.specular.set(number, material.specular);
             self.shininess[number] = material.shininess;
         }
+    }
+
+    /// The mirror ray that starts `epsilon` along itself.
+    pub fn mirror_ray(&self, number: usize, epsilon: Real) -> Ray {
+        let direction = self.reflected.get(number);
+        Ray { origin: self.point.get(number) + direction * epsilon, direction }
     }
 
     #[inline(always)]
@@ -234,6 +241,59 @@ impl Task for Gather<'_> {
         }
         for number in around(mask) {
             weight.set(number, weight.get(number).scaled_by(surfaces.specular.get(number)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::simd::Level;
+
+    /// Two materials and directions all around, at both levels, for rays with gaps between them.
+    #[test]
+    fn a_run_is_lit_as_each_of_its_points() {
+        let material = |shininess| Material {
+            diffuse: Vector3::new(0.7, 0.1, 0.0),
+            specular: Vector3::new(0.2, 0.0, 0.4),
+            shininess,
+        };
+        let around = |number: usize, turn: Real| {
+            let angle = number as Real * turn;
+            Vector3::new(libm::sin(angle as f64) as Real, libm::cos(angle as f64) as Real, 0.3)
+        };
+        let position = Vector3::new(1.0, 2.0, 0.5);
+        let lights = [
+            Light::Directional { to_light: Vector3::new(0.6, 0.0, 0.8), color: Vector3::splat(0.9) },
+            Light::Point { position, color: Vector3::new(0.5, 0.0, 1.0), falloff: 0.25 },
+            Light::Point { position, color: Vector3::new(0.5, 0.0, 1.0), falloff: 0.0 },
+        ];
+        let mask = 0xfff0_0ff7_ffff_fffe;
+        for (shininess, level) in [(20.0, "scalar"), (0.5, "scalar"), (20.0, "avx2"), (0.5, "avx2")] {
+            let Some(level) = Level::named(level) else { continue };
+            let mut surfaces = Surfaces::NONE;
+            surfaces.set_material(u64::MAX, &material(20.0));
+            surfaces.set_material(0x0000_00ff_0000_0000, &material(shininess));
+            for number in 0..RUN {
+                surfaces.point.set(number, around(number, 0.4));
+                surfaces.normal.set(number, around(number, 0.9));
+                surfaces.reflected.set(number, around(number, 1.7));
+            }
+            surfaces.point.set(9, position);
+            for light in &lights {
+                let mut lit = Lit::NONE;
+                let added = level.run(Illuminate { light, surfaces: &surfaces, mask, lit: &mut lit });
+                assert_eq!(added & !mask, 0);
+                for number in numbers_in(mask) {
+                    let seen = light.illuminate(surfaces.point.get(number));
+                    let (normal, reflected) = (surfaces.normal.get(number), surfaces.reflected.get(number));
+                    let expected = surfaces.material(number).phong(&seen, normal, reflected);
+                    let found = lit.added.get(number);
+                    let bits = |v: Vector3| v.to_array().map(|c| if c.is_nan() { Real::MAX } else { c });
+                    assert_eq!(bits(found), bits(expected), "{level} {number}");
+                    assert_eq!(added >> number & 1 == 1, expected != Vector3::ZERO, "{level} {number}");
+                }
+            }
         }
     }
 }

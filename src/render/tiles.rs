@@ -2,11 +2,11 @@
 
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
-use super::trace::{Seen, Tracer};
+use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
 use crate::args::RenderArgs;
 use crate::camera::{PixelGrid, Places};
 use crate::film::{Film, Pixel, average, filtered};
-use crate::objects::run::Rays;
+use crate::objects::run::{RUN, Rays};
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
@@ -129,7 +129,7 @@ struct Sampler<'a> {
 }
 
 /// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
-pub const RAYS_AT_ONCE: usize = 256;
+pub const RAYS_AT_ONCE: usize = RUNS_AT_ONCE * RUN;
 
 impl<'a> Sampler<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {

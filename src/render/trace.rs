@@ -7,7 +7,6 @@ use super::robust::{Departure, Epsilon};
 use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
 use crate::light::Light;
 use crate::objects::HitRun;
-use crate::objects::Ray;
 use crate::objects::run::{Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::plan::Plan;
 use crate::report::RayCounts;
@@ -15,7 +14,7 @@ use crate::scene::Scene;
 use vecmath::{Real, Vector3};
 
 /// So many runs of camera rays are followed together: their mirror rays fill runs of their own.
-const RUNS_AT_ONCE: usize = 4;
+pub const RUNS_AT_ONCE: usize = 4;
 
 /// What a camera ray saw.
 #[derive(Clone, Copy, Debug, Default)]
@@ -191,10 +190,9 @@ impl<'a> Tracer<'a> {
                 seen[paths.camera_ray[number] as usize].color = color;
                 continue;
             }
-            let direction = surfaces.reflected.get(number);
             let ray = match departure {
-                Some(departure) => departure.mirror_ray(direction, self.plan.robust),
-                None => Ray { origin: surfaces.point.get(number) + direction * self.epsilon, direction },
+                Some(departure) => departure.mirror_ray(surfaces.reflected.get(number), self.plan.robust),
+                None => surfaces.mirror_ray(number, self.epsilon),
             };
             let ((next_rays, next_paths), place) = self.mirror_rays.add();
             next_rays.set(place, ray);
@@ -299,10 +297,8 @@ impl<'a> Tracer<'a> {
                 self.arrive(run, hit);
                 escaped.extend(numbers_in(mask & !hit).map(|number| run.direction.get(number)));
                 let surfaces = &self.room.surfaces;
-                for number in numbers_in(hit & surfaces.mirrors) {
-                    let direction = surfaces.reflected.get(number);
-                    onward.push(Ray { origin: surfaces.point.get(number) + direction * self.epsilon, direction });
-                }
+                numbers_in(hit & surfaces.mirrors)
+                    .for_each(|number| onward.push(surfaces.mirror_ray(number, self.epsilon)));
             }
             rays = onward;
         }

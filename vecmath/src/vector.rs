@@ -93,8 +93,7 @@ macro_rules! componentwise {
         impl Index<usize> for $Vector {
             type Output = Real;
 
-            #[inline]
-
+            #[inline(always)]
             fn index(&self, axis: usize) -> &Real {
                 match axis {
                     $($i => &self.$c,)+

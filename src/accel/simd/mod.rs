@@ -1,8 +1,8 @@
-//! Eight `f32` at a time: [`Lanes`] is what the culling code is written in, once, and each processor level is one
-//! implementation of it.
+//! Processor levels. Whatever runs as a [`Task`] is compiled once for each of them.
 //!
-//! A level changes how fast something is culled and nothing else: survivors are decided in `f64` elsewhere, so the
-//! levels need not round alike. The only place of the program with `unsafe` code.
+//! Culling is written in [`Lanes`], eight `f32` at a time, whose products may be fused with sums or not: what is left is
+//! decided elsewhere. Loops over the `Real` numbers of a run are plain arithmetic, which no level fuses, so that their
+//! bits are the same at each. The only place of the program with `unsafe` code.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
@@ -66,7 +66,7 @@ pub trait Task {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// A kind of processor that the culling code is compiled for.
+/// A kind of processor that tasks are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Any processor.
@@ -80,7 +80,7 @@ impl Level {
     /// The names that [`named`](Self::named) knows.
     pub const NAMES: [&str; 2] = ["scalar", "avx2"];
 
-    /// The best level of this processor. Asked once, before any ray is traced.
+    /// The best level of this processor.
     pub fn detected() -> Self {
         Self::named("avx2").unwrap_or(Self::SCALAR)
     }
