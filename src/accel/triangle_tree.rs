@@ -10,14 +10,11 @@ use super::split::Item;
 use super::tree::{Child, Tree};
 use super::triangles::Block;
 use super::walk::{DONE, EMPTY_STACK, Visit, Walk};
-use crate::objects::run::{Numbers, PreparedRun, around, numbers_in};
+use crate::objects::run::{Numbers, PreparedRun, is_dense, numbers_in};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vecmath::{Real, Vector3};
-
-/// So many rays are asked together in the time of one by itself.
-const WORTH_ASKING_TOGETHER: usize = 4;
 
 thread_local! {
     static BEAM: Kept<Beam> = const { Kept::new(None) };
@@ -222,7 +219,7 @@ impl<D: Decide> BlockLeaves<'_, D> {
             }
         }
         // Rays between those that survive are asked too, to no purpose.
-        if survivors != 0 && around(survivors).len() < WORTH_ASKING_TOGETHER * survivors.count_ones() as usize {
+        if is_dense(survivors) {
             self.decide.many(l, survivors, block.number(place), self.corners(block, place));
             return beam.set_t_maxes(survivors, self.decide.t_max());
         }

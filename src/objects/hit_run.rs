@@ -70,8 +70,9 @@ impl HitRun {
     /// Hits of this object count below this t. Of equals the first object wins, whatever the order of asking.
     #[inline(always)]
     pub fn limit(&self, number: usize, object: u32) -> Real {
-        let t = self.at.t[number];
-        if object < self.object[number] { t.next_up() } else { t }
+        let bits = self.at.t[number].to_bits();
+        // The next number, for t is above 0.
+        Real::from_bits(if object < self.object[number] { bits + 1 } else { bits })
     }
 }
 

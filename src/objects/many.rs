@@ -1,7 +1,7 @@
 //! What many rays hit of one object: the definitions of [`Object`], asked for the rays of a run at once.
 
-use super::run::{Numbers, Prepare, PreparedRun, RUN, RayRun, Vectors, WorldRun, around, numbers_in};
-use super::{Aabb, Mesh, Object, Placement, Plane, PreparedRay, Shape, Sphere, TriangleHits};
+use super::run::{Numbers, Prepare, PreparedRun, RUN, RayRun, Vectors, WorldRun, around, is_dense, numbers_in};
+use super::{Aabb, Mesh, Object, ObjectHit, Placement, Plane, PreparedRay, Shape, Sphere, TriangleHits};
 use super::{HitRun, SurfaceRun};
 use crate::accel::kept::Kept;
 use crate::accel::simd::{Lanes, Level, Task};
@@ -79,9 +79,11 @@ impl Object {
                 level.run(SetLimits { index, mask, hits, limits: &mut in_mesh.t });
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
-                if hit != 0 {
-                    let world = world.rays();
+                let world = world.rays();
+                if is_dense(hit) {
                     level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
+                } else {
+                    numbers_in(hit).for_each(|number| self.keep_nearest(index, world, number, in_mesh, hits));
                 }
             }
             Way::Smooth(smooth) => {
@@ -136,6 +138,19 @@ impl Object {
         }
         SCRATCH.set(Some(scratch));
         found
+    }
+
+    /// Replaces the hit of a ray by a nearer one on this mesh.
+    #[inline(always)]
+    fn keep_nearest(&self, index: u32, world: &RayRun, number: usize, in_mesh: &SurfaceRun, hits: &mut HitRun) {
+        let limit = hits.limit(number, index);
+        let (meets, near) = self.meets(&PreparedRay::new(world.get(number)), limit);
+        let hit = in_mesh.get(number);
+        let t = hit.t.max(near);
+        if meets && t < limit {
+            hits.object[number] = index;
+            hits.at.set(number, ObjectHit { t, ..hit });
+        }
     }
 
     /// The rays of a mask in object space; `rays` and `inverse_direction` are room for them.
