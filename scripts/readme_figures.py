@@ -4,11 +4,12 @@
 Usage: scripts/readme_figures.py STARTER_FOLDER [--runs N]
 
 STARTER_FOLDER is the course's starter: its seven scenes are rendered at 800 x 800, compared with its pictures, and timed
-as whole processes (medians of N runs). Builds the program first. Where Tachyon and POV-Ray are installed, the ratios of
-the newest record in benches/record/ are quoted; benches/peers/run.py --record makes one.
+as whole processes (medians of N runs). Builds the program first. The ratios to Tachyon and POV-Ray are those of the newest
+entry in benches/record/jobs.jsonl, which benches/peers/run.py --record jobs.jsonl makes.
 """
 
 import argparse
+import json
 import os
 import platform
 import re
@@ -58,6 +59,21 @@ def measure(a2, starter, work, runs):
         yield f"| {number} | {what} | {percent:.3f}% | {far} | {milliseconds:.0f} ms |"
 
 
+def ratios():
+    """How many times as long the peers take, of the newest record."""
+    entry = json.loads((PROJECT / "benches" / "record" / "jobs.jsonl").read_text().splitlines()[-1])
+    found = {peer: [] for peer in ("Tachyon", "POV-Ray")}
+    for job, seconds in entry["seconds"].items():
+        medians = {program: statistics.median(times) for program, times in seconds.items()}
+        for peer in set(found) & set(medians):
+            found[peer].append((medians[peer] / medians["a2"], job))
+    texts = [
+        f"{peer} takes {min(all_jobs)[0]:.1f} ({min(all_jobs)[1]}) to {max(all_jobs)[0]:.1f} times as long ({max(all_jobs)[1]})"
+        for peer, all_jobs in found.items()
+    ]
+    return f"The same scenes, whole processes ([benches/peers](benches/peers/README.md), {entry['date'][:10]}): {'; '.join(texts)}."
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("starter", type=Path)
@@ -76,6 +92,8 @@ def main():
         "",
         f"(The worst of colour, normal and depth picture, of 640,000 pixels each. Whole processes, medians of "
         f"{arguments.runs} runs, {os.cpu_count()} threads, {platform.machine()}.)",
+        "",
+        ratios(),
         END,
     ]
     readme = PROJECT / "README.md"
