@@ -219,7 +219,7 @@ impl<D: Decide> BlockLeaves<'_, D> {
             }
         }
         // Rays between those that survive are asked too, to no purpose.
-        if is_dense(survivors) {
+        if is_dense(survivors, 4) {
             self.decide.many(l, survivors, block.number(place), self.corners(block, place));
             return beam.set_t_maxes(survivors, self.decide.t_max());
         }

@@ -80,7 +80,7 @@ impl Object {
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
                 let world = world.rays();
-                if is_dense(hit) {
+                if is_dense(hit, 2) {
                     level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
                 } else {
                     numbers_in(hit).for_each(|number| self.keep_nearest(index, world, number, in_mesh, hits));

@@ -40,13 +40,10 @@ pub fn around(mask: u64) -> std::ops::Range<usize> {
     before..RUN - after
 }
 
-/// Whether more of the rays [`around`] a mask are in it than it takes for asking them together to pay.
-pub fn is_dense(mask: u64) -> bool {
-    mask != 0 && around(mask).len() < WORTH_ASKING_TOGETHER * mask.count_ones() as usize
+/// Whether asking all rays [`around`] a mask together pays, if so many take the time of one by itself.
+pub fn is_dense(mask: u64, in_the_time_of_one: usize) -> bool {
+    mask != 0 && around(mask).len() < in_the_time_of_one * mask.count_ones() as usize
 }
-
-/// So many rays are asked together in the time of one by itself.
-const WORTH_ASKING_TOGETHER: usize = 4;
 
 /// A vector for each ray of a run, by coordinates.
 #[derive(Clone, Copy, Debug)]
