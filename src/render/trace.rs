@@ -145,9 +145,11 @@ impl<'a> Tracer<'a> {
             let of_object = hits.of_object(level, rest, index);
             let object = &scene.objects[index as usize];
             object.normals(&scene.meshes, level, rays, of_object, &hits.at, &mut surfaces.normal);
-            // The first object's material may stand for all others until they are asked.
-            let mask = if rest == hit { u64::MAX } else { of_object };
-            surfaces.set_material(mask, &scene.materials[object.material as usize]);
+            if self.plan.color {
+                // The first object's material may stand for all others until they are asked.
+                let mask = if rest == hit { u64::MAX } else { of_object };
+                surfaces.set_material(mask, &scene.materials[object.material as usize]);
+            }
             rest &= !of_object;
         }
         hit
