@@ -88,10 +88,15 @@ impl Scene {
 
     /// How many rays hit something.
     fn ask(&self, runs: &[Run], query: Query, alone: bool) -> usize {
-        runs.par_chunks(64).map(|runs| runs.iter().map(|run| self.ask_run(run, query, alone)).sum::<usize>()).sum()
+        let of_chunk = |runs: &[Run]| {
+            // As in the renderer, there is room for hits before there are rays.
+            let mut hits = HitRun::NONE;
+            runs.iter().map(|run| self.ask_run(run, query, alone, &mut hits)).sum::<usize>()
+        };
+        runs.par_chunks(64).map(of_chunk).sum()
     }
 
-    fn ask_run(&self, run: &Run, query: Query, alone: bool) -> usize {
+    fn ask_run(&self, run: &Run, query: Query, alone: bool, hits: &mut HitRun) -> usize {
         let Self { objects, meshes, accelerator } = self;
         let Run { rays, mask, t_max } = run;
         let count = |is_hit: &dyn Fn(usize) -> bool| numbers_in(*mask).filter(|&number| is_hit(number)).count();
@@ -101,10 +106,11 @@ impl Scene {
                 hit.is_some_and(|hit| hit.at.t <= t_max[number])
             }),
             (Query::Closest, false) => {
-                let mut hits = HitRun::NONE;
-                accelerator.closest_hits(objects, meshes, rays, *mask, &mut hits);
+                accelerator.closest_hits(objects, meshes, rays, *mask, hits);
                 let is_hit = |number: usize| hits.object[number] != HitRun::NOTHING;
-                numbers_in(*mask).filter(|&number| is_hit(number) && hits.at.t[number] <= t_max[number]).count()
+                let is_near = |number: usize| hits.at.t[number] <= t_max[number];
+                // Nothing is hit outside the mask.
+                (0..RUN).map(|number| usize::from(is_hit(number) & is_near(number))).sum()
             }
             (Query::Any, true) => {
                 count(&|number| accelerator.any_hit(objects, meshes, &rays.get(number), t_max[number]))
