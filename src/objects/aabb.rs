@@ -1,7 +1,7 @@
 //! [`Aabb`]: an axis-aligned box, and the interval of a ray in it.
 
 use super::{PreparedRay, T_MAX};
-use vecmath::{Matrix4, Real, Vector3};
+use vecmath::{Matrix4, Real, Vector3, greater, lesser};
 
 /// The points between two corners, faces included. `min > max` means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,9 +85,9 @@ impl Aabb {
             let a = (self.min[axis] - origin - margin) * inverse;
             let b = (self.max[axis] - origin + margin) * inverse;
             let (enter, leave) = if inverse >= 0.0 { (a, b) } else { (b, a) };
-            // `max` and `min` pass over NaN.
-            near = near.max(enter * (1.0 - SLAB_ERROR));
-            far = far.min(leave * (1.0 + SLAB_ERROR));
+            // NaN is passed over.
+            near = greater(near, enter * (1.0 - SLAB_ERROR));
+            far = lesser(far, leave * (1.0 + SLAB_ERROR));
         }
         // A negative `leave` was widened the wrong way, but its sign is exact: the box is behind the ray.
         ((near <= far) & (near < T_MAX), near)

@@ -4,7 +4,7 @@ use super::ray::{Shear, ShearAxes};
 use super::run::{Numbers, PreparedRun, RUN, RayRun, around};
 use super::{Aabb, PreparedRay};
 use crate::render::robust::ROUNDING;
-use vecmath::{Real, Vector3};
+use vecmath::{Real, Vector3, greater, lesser};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ impl Crossing {
         let determinant = u + v + w;
         let barycentric = [u / determinant, v / determinant, w / determinant];
         let t = barycentric[0] * a + barycentric[1] * b + barycentric[2] * c;
-        TriangleHit { t: t.min(far).max(near), barycentric }
+        TriangleHit { t: greater(near, lesser(far, t)), barycentric }
     }
 }
 
@@ -76,16 +76,17 @@ const BOX_ROUNDINGS: Real = 32.0;
 /// may leave, by rounding, before it enters.
 #[inline(always)]
 fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Real, Real) {
-    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
     let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
     for axis in 0..3 {
         let inverse = ray.inverse_direction[axis];
-        let low = (min[axis] - ray.ray.origin[axis] - margin) * inverse;
-        let high = (max[axis] - ray.ray.origin[axis] + margin) * inverse;
+        let min = lesser(lesser(a[axis], b[axis]), c[axis]);
+        let max = greater(greater(a[axis], b[axis]), c[axis]);
+        let low = (min - ray.ray.origin[axis] - margin) * inverse;
+        let high = (max - ray.ray.origin[axis] + margin) * inverse;
         let (enter, leave) = if inverse >= 0.0 { (low, high) } else { (high, low) };
-        // `max` and `min` pass over NaN: a ray in the plane of a face.
-        near = near.max(enter);
-        far = far.min(leave);
+        // NaN is passed over: a ray in the plane of a face.
+        near = greater(near, enter);
+        far = lesser(far, leave);
     }
     (near, far)
 }
