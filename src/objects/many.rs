@@ -5,7 +5,7 @@ use super::{Aabb, Mesh, Object, ObjectHit, Placement, Plane, PreparedRay, Shape,
 use super::{HitRun, SurfaceRun};
 use crate::accel::kept::Kept;
 use crate::accel::simd::{Lanes, Level, Task};
-use vecmath::Real;
+use vecmath::{Real, greater};
 
 /// What a thread needs room for while it asks an object.
 struct Scratch {
@@ -79,7 +79,6 @@ impl Object {
                 level.run(SetLimits { index, mask, hits, limits: &mut in_mesh.t });
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
-                let world = world.rays();
                 if is_dense(hit, 2) {
                     level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
                 } else {
@@ -120,7 +119,7 @@ impl Object {
                 let rays = self.prepared(level, world, mask, rays, inverse_direction);
                 let met = mesh.any_hits(rays, mask, triangle_hits, t_max);
                 if met != 0 {
-                    found = level.run(Entering { object: self, world: world.rays(), mask: met, t_max });
+                    found = level.run(Entering { object: self, world, mask: met, t_max });
                 }
             }
             Way::Smooth(smooth) => {
@@ -142,11 +141,11 @@ impl Object {
 
     /// Replaces the hit of a ray by a nearer one on this mesh.
     #[inline(always)]
-    fn keep_nearest(&self, index: u32, world: &RayRun, number: usize, in_mesh: &SurfaceRun, hits: &mut HitRun) {
+    fn keep_nearest(&self, index: u32, world: &WorldRun, number: usize, in_mesh: &SurfaceRun, hits: &mut HitRun) {
         let limit = hits.limit(number, index);
-        let (meets, near) = self.meets(&PreparedRay::new(world.get(number)), limit);
+        let (meets, near) = self.meets(&world.get(number), limit);
         let hit = in_mesh.get(number);
-        let t = hit.t.max(near);
+        let t = greater(hit.t, near);
         if meets && t < limit {
             hits.object[number] = index;
             hits.at.set(number, ObjectHit { t, ..hit });
@@ -256,7 +255,7 @@ impl Task for SphereHits<'_> {
         for number in around(self.mask) {
             let near = self.bounds.entry(&self.world.get(number), 0.0, self.t_max[number]);
             let t = self.sphere.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
-            self.t[number] = near.map_or(Real::INFINITY, |near| t.max(near));
+            self.t[number] = near.map_or(Real::INFINITY, |near| greater(t, near));
         }
     }
 }
@@ -308,7 +307,7 @@ impl Task for SetLimits<'_> {
 struct KeepNearestInMesh<'a> {
     object: &'a Object,
     index: u32,
-    world: &'a RayRun,
+    world: &'a WorldRun<'a>,
     mask: u64,
     in_mesh: &'a SurfaceRun,
     hits: &'a mut HitRun,
@@ -322,8 +321,8 @@ impl Task for KeepNearestInMesh<'_> {
         let Self { object, index, world, mask, in_mesh, hits } = self;
         for number in around(mask) {
             let (old, before) = (hits.at.t[number], hits.object[number]);
-            let (meets, near) = object.meets(&PreparedRay::new(world.get(number)), old);
-            let new = in_mesh.t[number].max(near);
+            let (meets, near) = object.meets(&world.get(number), old);
+            let new = greater(in_mesh.t[number], near);
             let is_nearer = (new < old) | ((new == old) & (index < before));
             let takes = meets & is_nearer & (mask >> number & 1 == 1);
             hits.at.t[number] = if takes { new } else { old };
@@ -339,7 +338,7 @@ impl Task for KeepNearestInMesh<'_> {
 /// Tells those rays of a mask that meet the bounds of an object within their `t_max`.
 struct Entering<'a> {
     object: &'a Object,
-    world: &'a RayRun,
+    world: &'a WorldRun<'a>,
     mask: u64,
     t_max: &'a Numbers,
 }
@@ -351,8 +350,7 @@ impl Task for Entering<'_> {
     fn run<L: Lanes>(self, _: L) -> u64 {
         let mut met = 0;
         for number in around(self.mask) {
-            let ray = PreparedRay::new(self.world.get(number));
-            let (meets, _) = self.object.meets(&ray, self.t_max[number]);
+            let (meets, _) = self.object.meets(&self.world.get(number), self.t_max[number]);
             met |= u64::from(meets) << number;
         }
         met & self.mask

@@ -180,6 +180,16 @@ impl<'a> WorldRun<'a> {
         self.rays
     }
 
+    /// One of the rays, prepared.
+    #[inline(always)]
+    pub fn get(&self, number: usize) -> PreparedRay {
+        if self.is_prepared {
+            PreparedRun { rays: self.rays, inverse_direction: self.inverse_direction }.get(number)
+        } else {
+            PreparedRay::new(self.rays.get(number))
+        }
+    }
+
     pub fn prepared(&mut self, level: Level) -> PreparedRun<'_> {
         if !self.is_prepared {
             level.run(Prepare { rays: self.rays, mask: self.mask, inverse_direction: self.inverse_direction });
