@@ -50,12 +50,16 @@ impl Bundle {
         let center = rays.origin.get(mask.trailing_zeros() as usize % RUN);
         // At first, these hold directions and origins.
         let Self { inverse, origin_times_inverse, .. } = self;
-        for axis in 0..3 {
+        // In the order of memory, which the processor then fetches ahead.
+        for (axis, from_center) in origin_times_inverse.iter_mut().enumerate() {
             let center = center.to_array()[axis];
             for number in around(mask) {
-                inverse[axis].as_flattened_mut()[number] = rays.direction.0[axis][number] as f32;
-                origin_times_inverse[axis].as_flattened_mut()[number] =
-                    (rays.origin.0[axis][number] - center) as f32;
+                from_center.as_flattened_mut()[number] = (rays.origin.0[axis][number] - center) as f32;
+            }
+        }
+        for (axis, along) in inverse.iter_mut().enumerate() {
+            for number in around(mask) {
+                along.as_flattened_mut()[number] = rays.direction.0[axis][number] as f32;
             }
         }
         let (mut reach, mut insane) = (l.splat(0.0), 0);
