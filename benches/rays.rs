@@ -6,20 +6,20 @@
 //! ```
 //!
 //! The ray file is described in `benches/peers/README.md`. Rays are asked for 64 at a time, as the renderer does;
-//! with `--alone` one by one. What is timed is the whole answer, from rays to hits in `f64`.
+//! with `--alone` one by one. What is timed is the whole answer, from rays as the file has them to hits in `f64`.
 #![forbid(unsafe_code)]
 
 use a2::accel::Accelerator;
 use a2::accel::simd::Level;
 use a2::objects::HitRun;
 use a2::objects::run::{Numbers, RUN, RayRun, first, numbers_in};
-use a2::objects::{Mesh, Object, Ray, Shape};
+use a2::objects::{Mesh, Object, Shape};
 use a2::scene::parse_mesh;
 use rayon::prelude::*;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
-use vecmath::{Real, Vector3};
+use vecmath::Real;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -66,11 +66,32 @@ enum Query {
     Any,
 }
 
-/// Rays that are asked about together.
+/// Rays that are asked about together: origin, direction and largest t, as precise as the file has them.
 struct Run {
-    rays: RayRun,
+    numbers: [[f32; RUN]; 7],
     mask: u64,
+}
+
+/// What a thread has room for.
+struct Room {
+    rays: RayRun,
     t_max: Numbers,
+    hits: HitRun,
+}
+
+impl Room {
+    const EMPTY: Self = Self { rays: RayRun::NONE, t_max: [0.0; RUN], hits: HitRun::NONE };
+
+    /// Takes the rays of a run in.
+    fn read(&mut self, run: &Run) {
+        let [origin, direction] = [&mut self.rays.origin.0, &mut self.rays.direction.0];
+        let into = origin.iter_mut().chain(direction).chain([&mut self.t_max]);
+        for (into, from) in into.zip(&run.numbers) {
+            for (into, from) in into.iter_mut().zip(from) {
+                *into = Real::from(*from);
+            }
+        }
+    }
 }
 
 /// The mesh alone.
@@ -89,24 +110,27 @@ impl Scene {
     /// How many rays hit something.
     fn ask(&self, runs: &[Run], query: Query, alone: bool) -> usize {
         let of_chunk = |runs: &[Run]| {
-            // As in the renderer, there is room for hits before there are rays.
-            let mut hits = HitRun::NONE;
-            runs.iter().map(|run| self.ask_run(run, query, alone, &mut hits)).sum::<usize>()
+            let mut room = Room::EMPTY;
+            let mut ask = |run: &Run| {
+                room.read(run);
+                self.ask_run(run.mask, query, alone, &mut room)
+            };
+            runs.iter().map(&mut ask).sum::<usize>()
         };
         runs.par_chunks(64).map(of_chunk).sum()
     }
 
-    fn ask_run(&self, run: &Run, query: Query, alone: bool, hits: &mut HitRun) -> usize {
+    fn ask_run(&self, mask: u64, query: Query, alone: bool, room: &mut Room) -> usize {
         let Self { objects, meshes, accelerator } = self;
-        let Run { rays, mask, t_max } = run;
-        let count = |is_hit: &dyn Fn(usize) -> bool| numbers_in(*mask).filter(|&number| is_hit(number)).count();
+        let Room { rays, t_max, hits } = room;
+        let count = |is_hit: &dyn Fn(usize) -> bool| numbers_in(mask).filter(|&number| is_hit(number)).count();
         match (query, alone) {
             (Query::Closest, true) => count(&|number| {
                 let hit = accelerator.closest_hit(objects, meshes, &rays.get(number));
                 hit.is_some_and(|hit| hit.at.t <= t_max[number])
             }),
             (Query::Closest, false) => {
-                accelerator.closest_hits(objects, meshes, rays, *mask, hits);
+                accelerator.closest_hits(objects, meshes, rays, mask, hits);
                 let is_hit = |number: usize| hits.object[number] != HitRun::NOTHING;
                 let is_near = |number: usize| hits.at.t[number] <= t_max[number];
                 // Nothing is hit outside the mask.
@@ -115,7 +139,7 @@ impl Scene {
             (Query::Any, true) => {
                 count(&|number| accelerator.any_hit(objects, meshes, &rays.get(number), t_max[number]))
             }
-            (Query::Any, false) => accelerator.any_hits(objects, meshes, rays, *mask, t_max).count_ones() as usize,
+            (Query::Any, false) => accelerator.any_hits(objects, meshes, rays, mask, t_max).count_ones() as usize,
         }
     }
 }
@@ -146,7 +170,7 @@ fn time_building(mesh: &Mesh, repeats: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Rays as the renderer has them, coordinates apart.
+/// Rays by coordinates, as the renderer has them.
 fn read_rays(bytes: &[u8]) -> Result<Vec<Run>, Box<dyn Error>> {
     let (head, rest) = bytes.split_at_checked(16).ok_or("the ray file is too short")?;
     let count = u64::from_le_bytes(head[8..].try_into()?) as usize;
@@ -154,13 +178,13 @@ fn read_rays(bytes: &[u8]) -> Result<Vec<Run>, Box<dyn Error>> {
         return Err("this is no ray file".into());
     }
     let (numbers, _) = rest.as_chunks::<4>();
-    let numbers: Vec<Real> = numbers.iter().map(|&bytes| Real::from(f32::from_le_bytes(bytes))).collect();
-    let run = |numbers: &[Real]| {
-        let mut run = Run { rays: RayRun::NONE, mask: first(numbers.len() / 7), t_max: [0.0; RUN] };
-        for (number, n) in numbers.chunks_exact(7).enumerate() {
-            let (origin, direction) = (Vector3::new(n[0], n[1], n[2]), Vector3::new(n[3], n[4], n[5]));
-            run.rays.set(number, Ray { origin, direction });
-            run.t_max[number] = n[6];
+    let numbers: Vec<f32> = numbers.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
+    let run = |rays: &[f32]| {
+        let mut run = Run { numbers: [[1.0; RUN]; 7], mask: first(rays.len() / 7) };
+        for (ray, numbers) in rays.chunks_exact(7).enumerate() {
+            for (apart, number) in run.numbers.iter_mut().zip(numbers) {
+                apart[ray] = *number;
+            }
         }
         run
     };
