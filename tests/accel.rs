@@ -356,6 +356,24 @@ fn deep_trees_answer_as_the_loop_does() {
     mesh_agrees(&mut mesh, &rays).unwrap();
 }
 
+/// Rays up and down a column of slices meet every box of the tree, so that more is pending than there is room for.
+#[test]
+fn rays_that_meet_everything_answer_as_the_loop_does() {
+    let slices = 40_000;
+    let slice = |i: u32| {
+        let z = i as f32 / slices as f32;
+        [[-1.0, -1.0, z], [2.0, -1.0, z], [-1.0, 2.0, z]]
+    };
+    let positions = (0..slices).flat_map(slice).collect();
+    let triangles = (0..slices).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mut mesh = Mesh::new(positions, triangles);
+    let ray = |i: u32| {
+        let (x, up) = (Real::from(i) * 0.01, if i.is_multiple_of(2) { 1.0 } else { -1.0 });
+        Ray { origin: Vector3::new(x, 0.1, 0.5 - up), direction: Vector3::new(0.01, x, up) }
+    };
+    mesh_agrees(&mut mesh, &(0..12).map(ray).collect::<Vec<_>>()).unwrap();
+}
+
 #[test]
 fn trees_do_not_depend_on_the_number_of_threads() {
     let random = |i: u32| (i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32;

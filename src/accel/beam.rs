@@ -1,13 +1,14 @@
 //! Up to 64 rays that lie side by side, through a [`Tree`] together.
 //!
 //! A node's boxes are first tested against a shaft around all rays, eight boxes at once; what the shaft meets is
-//! tested against the rays, eight rays at once. Where few rays are left, each goes on alone. How rays share their work
-//! depends on their order, which boxes they are asked about does not matter: the contract is that of
-//! [`Walk`](super::walk::Walk).
+//! tested against the rays, eight rays at once. Where few rays are left, each goes on alone; rays that have no
+//! direction in common part at the root and go on as [`StreamWalk`]. How rays share their work depends on their order,
+//! which boxes they are asked about does not matter: the contract is that of [`Walk`].
 
 use super::frame::{self, CullRay};
 use super::shaft::Shaft;
 use super::simd::{Eight, Lanes, Task, WIDTH};
+use super::stream::StreamWalk;
 use super::tree::{Child, Node, Tree};
 use super::walk::{DONE, EMPTY_STACK, Visit, Walk};
 use crate::objects::run::{Numbers, RUN, around, numbers_in};
@@ -15,9 +16,9 @@ use vecmath::Real;
 
 /// Registers of rays in a beam.
 pub const GROUPS: usize = RUN / WIDTH;
-/// So few rays walk alone.
+/// So few rays of a beam walk alone.
 pub const FEW: u32 = 4;
-/// Boxes that may be pending; from there on rays walk alone.
+/// Boxes that may be pending; from there on rays part.
 const STACK: usize = 96;
 /// A number for each ray.
 type Rays = [Eight; GROUPS];
@@ -40,8 +41,20 @@ pub struct Beam {
 pub trait Leaves {
     /// Looks at a leaf for the rays of a mask, and lowers their limits. The shaft, if there is one, is around them all.
     fn visit<L: Lanes>(&mut self, lanes: L, leaf: usize, rays: u64, shaft: Option<&Shaft>, beam: &mut Beam);
+    /// Which of the up to eight items of a leaf one ray may hit.
+    fn survivors<L: Lanes>(&self, lanes: L, leaf: usize, number: usize, beam: &Beam) -> u32;
+    /// Asks an item of a leaf about one ray, and lowers its limit.
+    fn ask<L: Lanes>(&mut self, lanes: L, leaf: usize, place: u32, number: usize, beam: &mut Beam);
+
     /// Looks at a leaf for one ray, and lowers its limit.
-    fn visit_one<L: Lanes>(&mut self, lanes: L, leaf: usize, number: usize, ray: &CullRay, beam: &mut Beam);
+    #[inline(always)]
+    fn visit_one<L: Lanes>(&mut self, l: L, leaf: usize, number: usize, beam: &mut Beam) {
+        let mut survivors = self.survivors(l, leaf, number, beam);
+        while survivors != 0 && beam.limit(number) > DONE {
+            self.ask(l, leaf, survivors.trailing_zeros(), number, beam);
+            survivors &= survivors - 1;
+        }
+    }
 }
 
 impl Beam {
@@ -140,6 +153,29 @@ impl Beam {
         met
     }
 
+    /// Which of a node's boxes a ray meets at a t up to its limit, and where.
+    #[inline(always)]
+    pub fn boxes<L: Lanes>(&self, l: L, node: &Node, number: usize) -> (L::M, L::F) {
+        let (mut near, mut far) = (l.splat(0.0), l.splat(self.limit(number)));
+        for axis in 0..3 {
+            let inverse = l.splat(self.inverse[axis].as_flattened()[number]);
+            let product = l.splat(self.origin_times_inverse[axis].as_flattened()[number]);
+            let lower = l.mul_sub(l.load(&node.planes[axis]), inverse, product);
+            let upper = l.mul_sub(l.load(&node.planes[axis + 3]), inverse, product);
+            near = l.max(near, l.min(lower, upper));
+            far = l.min(far, l.max(lower, upper));
+        }
+        (l.le(near, far), near)
+    }
+
+    /// Origin and direction of one ray, in all lanes.
+    #[inline(always)]
+    pub fn in_all_lanes<L: Lanes>(&self, l: L, number: usize) -> [[L::F; 3]; 2] {
+        let of = |rays: &[Rays; 3], axis: usize| l.splat(rays[axis].as_flattened()[number]);
+        let Self { origin: o, direction: d, .. } = self;
+        [[of(o, 0), of(o, 1), of(o, 2)], [of(d, 0), of(d, 1), of(d, 2)]]
+    }
+
     /// Origin and direction of a group of rays.
     #[inline(always)]
     pub fn group<L: Lanes>(&self, l: L, group: usize) -> [[L::F; 3]; 2] {
@@ -175,8 +211,11 @@ impl<V: Leaves> Task for BeamWalk<'_, V> {
             if let Some((child, mask)) = current.take() {
                 if child.is_leaf() {
                     self.leaves.visit(l, child.index(), mask, shaft.as_ref(), self.beam);
-                } else if mask.count_ones() <= FEW || shaft.is_none() || height + WIDTH > STACK {
-                    self.walk_alone(l, child, mask);
+                } else if mask.count_ones() <= FEW {
+                    walk_alone(l, self.tree, child, mask, self.beam, &mut self.leaves);
+                } else if shaft.is_none() || height + WIDTH > STACK {
+                    let Self { tree, beam, leaves, .. } = &mut self;
+                    l.enter(StreamWalk { tree, start: child, mask, beam, leaves });
                 } else if let Some(shaft) = &shaft {
                     let node = &self.tree.nodes[child.index()];
                     let [a, b, c, d, e, f] = &node.planes;
@@ -225,23 +264,27 @@ fn push(
     }
 }
 
-impl<V: Leaves> BeamWalk<'_, V> {
-    #[inline(always)]
-    fn walk_alone<L: Lanes>(&mut self, l: L, start: Child, mask: u64) {
-        let mut stack = EMPTY_STACK;
-        for number in numbers_in(mask) {
-            let (ray, limit) = (self.beam.ray(number), self.beam.limit(number));
-            let mut visit = OneOfMany { number, ray: &ray, leaves: &mut self.leaves, beam: &mut *self.beam };
-            let walk = Walk { tree: self.tree, start, ray: &ray, limit, visit: &mut visit, stack: &mut stack };
-            let _ = l.enter(walk);
-        }
+/// Takes the rays of a mask on from a node, one after the other.
+#[inline(always)]
+pub fn walk_alone<L: Lanes>(
+    l: L,
+    tree: &Tree,
+    start: Child,
+    mask: u64,
+    beam: &mut Beam,
+    leaves: &mut impl Leaves,
+) {
+    let mut stack = EMPTY_STACK;
+    for number in numbers_in(mask) {
+        let (ray, limit) = (beam.ray(number), beam.limit(number));
+        let visit = &mut OneOfMany { number, leaves: &mut *leaves, beam: &mut *beam };
+        let _ = l.enter(Walk { tree, start, ray: &ray, limit, visit, stack: &mut stack });
     }
 }
 
 /// A ray of a beam that walks alone.
 struct OneOfMany<'a, V> {
     number: usize,
-    ray: &'a CullRay,
     leaves: &'a mut V,
     beam: &'a mut Beam,
 }
@@ -249,7 +292,7 @@ struct OneOfMany<'a, V> {
 impl<V: Leaves> Visit for OneOfMany<'_, V> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
-        self.leaves.visit_one(l, leaf, self.number, self.ray, self.beam);
+        self.leaves.visit_one(l, leaf, self.number, self.beam);
         self.beam.limit(self.number)
     }
 }

@@ -24,7 +24,7 @@ use super::simd::{Lanes, Task, WIDTH};
 use super::walk::DONE;
 use crate::objects::run::{Numbers, PreparedRun, RUN, around};
 use crate::objects::{Aabb, PreparedRay};
-use vecmath::{Real, Vector3};
+use vecmath::{Real, Vector3, greater, lesser};
 
 /// Boxes grow by this on every side, in the frame.
 pub const BOX_MARGIN: f32 = 1.0 / (1 << 18) as f32;
@@ -42,7 +42,8 @@ const FARTHEST_CENTER: Real = (1u64 << 60) as Real;
 /// No hit in the root box has a larger t in the frame.
 const LARGEST_T: f32 = 8.0;
 /// Components of directions are kept this far from zero.
-const SMALLEST_COMPONENT: f32 = 1.0 / (1u32 << 30) as f32;
+const SMALLEST_COMPONENT: f32 = 1.0 / LARGEST_INVERSE;
+const LARGEST_INVERSE: f32 = (1u32 << 30) as f32;
 /// Scales beyond 2^(+-900) would leave the range of `f64` on the way.
 const LARGEST_EXPONENT: i32 = Real::MAX_EXP - Real::MAX_EXP / 8;
 
@@ -54,6 +55,10 @@ pub type Planes = [f32; 6];
 pub struct Frame {
     center: Vector3,
     scale: Real,
+    /// 1 / scale, exactly.
+    unscale: Real,
+    /// Rays whose origin is farther away from the centre, in the sum of coordinates, are not culled.
+    farthest: Real,
     /// Rounding may move rays sideways by this share of their origin's largest coordinate before they meet an item,
     /// beside the errors above.
     spread: Real,
@@ -109,7 +114,8 @@ impl Frame {
         // The logarithm may be rounded down past a power of two.
         let exponent = exponent + i32::from(half * (2.0 as Real).powi(-exponent) > 1.0);
         let scale = (2.0 as Real).powi(-exponent);
-        Some(Self { center, scale, spread: 0.0, bounds: bounds.grown(BOX_MARGIN as Real / scale) })
+        let (unscale, bounds) = (1.0 / scale, bounds.grown(BOX_MARGIN as Real / scale));
+        Some(Self { center, scale, unscale, farthest: FARTHEST * unscale, spread: 0.0, bounds })
     }
 
     /// The centre in the frame's scale.
@@ -120,12 +126,14 @@ impl Frame {
     /// The vector that has these components in the frame's scale.
     #[inline(always)]
     pub fn unscaled(&self, components: [f32; 3]) -> Vector3 {
-        Vector3::from(components.map(Real::from)) * (1.0 / self.scale)
+        Vector3::from(components.map(Real::from)) * self.unscale
     }
 
     /// The same frame for items that rays meet with this spread (see [`Object::spread`](crate::objects::Object)).
     pub fn with_spread(self, spread: Real) -> Self {
-        Self { spread, ..self }
+        let center = self.center.x.abs() + self.center.y.abs() + self.center.z.abs();
+        let farthest = (LARGEST_SPREAD * self.unscale / spread - center).min(FARTHEST * self.unscale);
+        Self { spread, farthest, ..self }
     }
 
     /// Around all items, margin included.
@@ -173,33 +181,28 @@ impl Frame {
     #[inline(always)]
     fn moved(&self, PreparedRay { ray, inverse_direction }: &PreparedRay, start: Real) -> (CullRay, bool) {
         let from_center = ray.origin - self.center;
-        let within = |vector: Vector3, limit: Real| {
-            // Written so that NaN is not within.
-            (vector.x.abs() <= limit) & (vector.y.abs() <= limit) & (vector.z.abs() <= limit)
-        };
+        let sum = |vector: Vector3| vector.x.abs() + vector.y.abs() + vector.z.abs();
         let [x, y, z] = ray.direction.map(Real::abs).to_array();
-        let largest = if x > y { x } else { y };
-        let largest = if largest > z { largest } else { z };
-        let is_sane = (largest > SHORTEST)
-            & (largest < Real::MAX)
-            & within(ray.direction, largest)
-            & (self.spread * ray.origin.max_abs() * self.scale <= LARGEST_SPREAD)
-            & within(from_center * self.scale, FARTHEST);
+        let largest = greater(greater(x, y), z);
+        // Sums, for they do not pass over NaN.
+        let is_sane =
+            (largest > SHORTEST) & (sum(ray.direction) <= Real::MAX) & (sum(from_center) <= self.farthest);
         let origin = (from_center + ray.direction * start) * self.scale;
         // 1 / largest, without dividing once more.
         let [x, y, z] = inverse_direction.map(Real::abs).to_array();
-        let smallest = if x < y { x } else { y };
-        let smallest = if smallest < z { smallest } else { z };
-        let exact = (ray.direction * smallest).to_array().map(|c| c as f32);
-        let inverse = (*inverse_direction * largest).to_array().map(|c| c as f32);
-        let away = |c: f32| c.abs() >= SMALLEST_COMPONENT;
+        let smallest = lesser(lesser(x, y), z);
+        let away = |c: f32| {
+            let size = if c.abs() > SMALLEST_COMPONENT { c.abs() } else { SMALLEST_COMPONENT };
+            size.copysign(c)
+        };
+        let near = |c: f32| {
+            let c = if c < LARGEST_INVERSE { c } else { LARGEST_INVERSE };
+            if c > -LARGEST_INVERSE { c } else { -LARGEST_INVERSE }
+        };
         let cull_ray = CullRay {
             origin: origin.to_array().map(|c| c as f32),
-            direction: exact.map(|c| if away(c) { c } else { SMALLEST_COMPONENT.copysign(c) }),
-            inverse: [0, 1, 2].map(|axis| {
-                let c = exact[axis];
-                if away(c) { inverse[axis] } else { (1.0 / SMALLEST_COMPONENT).copysign(c) }
-            }),
+            direction: (ray.direction * smallest).to_array().map(|c| away(c as f32)),
+            inverse: (*inverse_direction * largest).to_array().map(|c| near(c as f32)),
             start,
             rate: largest * self.scale,
         };
@@ -258,6 +261,12 @@ impl CullRay {
     #[inline(always)]
     pub fn limit(&self, t: Real) -> f32 {
         limit(t, self.start, self.rate)
+    }
+
+    /// Origin and direction, in all lanes.
+    #[inline(always)]
+    pub fn in_all_lanes<L: Lanes>(&self, l: L) -> [[L::F; 3]; 2] {
+        [self.origin, self.direction].map(|v| [l.splat(v[0]), l.splat(v[1]), l.splat(v[2])])
     }
 
     /// origin * inverse, axis by axis.

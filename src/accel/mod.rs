@@ -4,8 +4,8 @@
 //! the picture needs to read further here. Boxes and pre-tests in `f32` only ever discard what cannot be hit
 //! ([`frame`] and [`triangles`] say why); the objects decide, in [`Real`](vecmath::Real).
 //!
-//! [`build`] makes a [`Tree`](tree::Tree) of boxes, [`walk`] takes one ray through it and [`beam`] up to 64; all of it
-//! is written once, in the lanes of [`simd`].
+//! [`build`] makes a [`Tree`](tree::Tree) of boxes, [`walk`] takes one ray through it, [`beam`] up to 64 that lie side by
+//! side and [`stream`] up to 64 that do not; all of it is written once, in the lanes of [`simd`].
 
 mod beam;
 mod build;
@@ -18,6 +18,7 @@ mod range;
 mod shaft;
 pub mod simd;
 mod split;
+mod stream;
 mod tree;
 mod triangle_tree;
 mod triangles;

@@ -3,7 +3,7 @@
 use super::beam::{Beam, BeamWalk, Leaves};
 use super::build::{self, Built};
 use super::bundle::{Bundle, FillBundle, Meeting};
-use super::frame::{CullRay, EnterMany, Entry, Frame};
+use super::frame::{EnterMany, Entry, Frame};
 use super::kept::Kept;
 use super::questions::{Any, Closest, Questions, Search};
 use super::shaft::Shaft;
@@ -257,7 +257,12 @@ impl<Q: Questions> Leaves for ObjectLeaves<'_, '_, Q> {
     }
 
     #[inline(always)]
-    fn visit_one<L: Lanes>(&mut self, l: L, leaf: usize, number: usize, _: &CullRay, beam: &mut Beam) {
+    fn survivors<L: Lanes>(&self, _: L, _: usize, _: usize, _: &Beam) -> u32 {
+        1
+    }
+
+    #[inline(always)]
+    fn ask<L: Lanes>(&mut self, l: L, leaf: usize, _: u32, number: usize, beam: &mut Beam) {
         self.visit(l, leaf, 1 << number, None, beam);
     }
 }

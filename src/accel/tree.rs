@@ -13,8 +13,8 @@ use super::simd::{Eight, WIDTH};
 /// | 96..192 | upper x, y, z |
 /// | 192..224 | what is in the eight boxes, see [`Child`] |
 ///
-/// Boxes are in the tree's [`Frame`](super::frame::Frame), margin included. Unused places come last; their boxes are
-/// turned inside out and far away (lower 10^30, upper -10^30), so that neither a ray nor a shaft meets them.
+/// Boxes are in the tree's [`Frame`](super::frame::Frame), margin included. Unused places come last; their boxes are a
+/// point far away (10^30 on each axis), which neither a ray meets within its limit nor a shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
@@ -29,7 +29,7 @@ pub struct Node {
 pub struct Child(u32);
 
 const LEAF_BIT: u32 = 1 << 31;
-const INSIDE_OUT: f32 = 1e30;
+const FAR_AWAY: f32 = 1e30;
 
 impl Child {
     pub const NONE: Self = Self(u32::MAX);
@@ -49,6 +49,17 @@ impl Child {
         self.0 & LEAF_BIT != 0
     }
 
+    /// The child as a number, and back.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    pub fn of_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     /// A leaf's number or a node's index.
     #[inline(always)]
     pub fn index(self) -> usize {
@@ -57,17 +68,7 @@ impl Child {
 }
 
 impl Node {
-    pub const EMPTY: Self = Self {
-        planes: [
-            [INSIDE_OUT; WIDTH],
-            [INSIDE_OUT; WIDTH],
-            [INSIDE_OUT; WIDTH],
-            [-INSIDE_OUT; WIDTH],
-            [-INSIDE_OUT; WIDTH],
-            [-INSIDE_OUT; WIDTH],
-        ],
-        children: [Child::NONE; WIDTH],
-    };
+    pub const EMPTY: Self = Self { planes: [[FAR_AWAY; WIDTH]; 6], children: [Child::NONE; WIDTH] };
 
     pub fn set(&mut self, place: usize, planes: &Planes, child: Child) {
         for (plane, &value) in self.planes.iter_mut().zip(planes) {
@@ -89,7 +90,7 @@ pub struct Tree {
 
 impl Tree {
     /// Whether the tree is one: every node but the root and every leaf from 0 to `leaves` is in exactly one box, that
-    /// box encloses what is in it, and unused places are last and inside out. `leaf_planes` are what a leaf's box must
+    /// box encloses what is in it, and unused places are last and empty. `leaf_planes` are what a leaf's box must
     /// enclose.
     ///
     /// # Errors
@@ -134,11 +135,16 @@ impl Tree {
 }
 
 impl Node {
-    /// The box around the eight boxes.
+    /// The box around all boxes in use.
     fn around(&self) -> Planes {
-        let lower = |plane: &Eight| plane.iter().copied().fold(f32::INFINITY, f32::min);
-        let upper = |plane: &Eight| plane.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let p = &self.planes;
-        [lower(&p[0]), lower(&p[1]), lower(&p[2]), upper(&p[3]), upper(&p[4]), upper(&p[5])]
+        let used = (0..WIDTH).filter(|&place| self.children[place] != Child::NONE);
+        let boxes = used.map(|place| self.planes_of(place));
+        let nothing = std::array::from_fn(|side| if side < 3 { f32::INFINITY } else { f32::NEG_INFINITY });
+        boxes.fold(nothing, |around: Planes, planes| {
+            std::array::from_fn(|side| {
+                let (a, b) = (around[side], planes[side]);
+                if side < 3 { a.min(b) } else { a.max(b) }
+            })
+        })
     }
 }

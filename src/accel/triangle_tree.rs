@@ -173,7 +173,7 @@ impl<D: FnMut(u32) -> f32> Visit for BlockVisit<'_, D> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, leaf: usize) -> f32 {
         let block = &self.blocks[leaf];
-        let mut survivors = block.survivors(l, self.center, self.ray, self.limit);
+        let mut survivors = block.survivors(l, self.center, self.ray.in_all_lanes(l), self.limit);
         while survivors != 0 && self.limit > DONE {
             self.limit = (self.decide)(block.number(survivors.trailing_zeros()));
             survivors &= survivors - 1;
@@ -252,21 +252,21 @@ impl<D: Decide> Leaves for BlockLeaves<'_, D> {
         }
         if places != 0 {
             for number in numbers_in(rays) {
-                let ray = beam.ray(number);
-                self.visit_one(l, leaf, number, &ray, beam);
+                self.visit_one(l, leaf, number, beam);
             }
         }
     }
 
     #[inline(always)]
-    fn visit_one<L: Lanes>(&mut self, l: L, leaf: usize, number: usize, ray: &CullRay, beam: &mut Beam) {
+    fn survivors<L: Lanes>(&self, l: L, leaf: usize, number: usize, beam: &Beam) -> u32 {
+        let ray = beam.in_all_lanes(l, number);
+        self.culled.blocks[leaf].survivors(l, self.center, ray, beam.limit(number))
+    }
+
+    #[inline(always)]
+    fn ask<L: Lanes>(&mut self, _: L, leaf: usize, place: u32, number: usize, beam: &mut Beam) {
         let block = &self.culled.blocks[leaf];
-        let mut survivors = block.survivors(l, self.center, ray, beam.limit(number));
-        while survivors != 0 && beam.limit(number) > DONE {
-            let place = survivors.trailing_zeros();
-            self.decide.one(number, block.number(place), self.corners(block, place));
-            beam.set_t_max(number, self.decide.t_max()[number]);
-            survivors &= survivors - 1;
-        }
+        self.decide.one(number, block.number(place), self.corners(block, place));
+        beam.set_t_max(number, self.decide.t_max()[number]);
     }
 }

@@ -26,7 +26,7 @@
 //! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The definition's t is never before the entry into the
 //! triangle's box, which the exact t is not either.
 
-use super::frame::{BOX_MARGIN, CullRay, Frame};
+use super::frame::{BOX_MARGIN, Frame};
 use super::simd::{Eight, Lanes, WIDTH};
 use vecmath::Vector3;
 
@@ -100,11 +100,10 @@ impl Block {
     /// Bit i is set unless it is certain that the ray does not hit triangle i at a t from 0 to `limit`. `center` is the
     /// frame's, in its scale.
     #[inline(always)]
-    pub fn survivors<L: Lanes>(&self, l: L, center: [f32; 3], ray: &CullRay, limit: f32) -> u32 {
+    pub fn survivors<L: Lanes>(&self, l: L, center: [f32; 3], ray: [[L::F; 3]; 2], limit: f32) -> u32 {
         let [a, b, c] = &self.corners;
         let triangles = triangle(l, center, [load(l, a), load(l, b), load(l, c)]);
-        let rays = [splat(l, ray.origin), splat(l, ray.direction)];
-        self.may_hit(l, triangles, rays, l.splat(limit)) & self.all()
+        self.may_hit(l, triangles, ray, l.splat(limit)) & self.all()
     }
 
     /// One triangle in all lanes.

@@ -1,7 +1,7 @@
 //! [`Aabb`]: an axis-aligned box, and the interval of a ray in it.
 
 use super::{PreparedRay, T_MAX};
-use vecmath::{Matrix4, Real, Vector3, greater, lesser};
+use vecmath::{Matrix4, Real, Vector3, greater, lesser, swapped_if};
 
 /// The points between two corners, faces included. `min > max` means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,20 +71,33 @@ impl Aabb {
     /// Never misses a box that the exact ray meets. NaN (0 * infinity: a ray in the plane of a face) counts as met.
     #[inline(always)]
     pub fn entry(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> Option<Real> {
-        let (meets, near) = self.meets(ray, margin, t_max);
+        let (meets, near) = self.interval(ray, margin, t_max, swapped_if);
         meets.then_some(near)
     }
 
     /// Whether there is an [`entry`](Self::entry), and where; without branches, for many rays at once.
     #[inline(always)]
     pub fn meets(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> (bool, Real) {
+        // What takes least for one ray, not to guess, is not what takes least for several: these choose anyway.
+        self.interval(ray, margin, t_max, |so, a, b| if so { (b, a) } else { (a, b) })
+    }
+
+    /// The common formula; `swapped_if` swaps two numbers, or not.
+    #[inline(always)]
+    fn interval(
+        &self,
+        ray: &PreparedRay,
+        margin: Real,
+        t_max: Real,
+        swapped_if: impl Fn(bool, Real, Real) -> (Real, Real),
+    ) -> (bool, Real) {
         let (mut near, mut far) = (0.0 as Real, t_max);
         for axis in 0..3 {
             let origin = ray.ray.origin[axis];
             let inverse = ray.inverse_direction[axis];
             let a = (self.min[axis] - origin - margin) * inverse;
             let b = (self.max[axis] - origin + margin) * inverse;
-            let (enter, leave) = if inverse >= 0.0 { (a, b) } else { (b, a) };
+            let (enter, leave) = swapped_if(inverse < 0.0, a, b);
             // NaN is passed over.
             near = greater(near, enter * (1.0 - SLAB_ERROR));
             far = lesser(far, leave * (1.0 + SLAB_ERROR));

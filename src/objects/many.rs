@@ -143,10 +143,10 @@ impl Object {
     #[inline(always)]
     fn keep_nearest(&self, index: u32, world: &WorldRun, number: usize, in_mesh: &SurfaceRun, hits: &mut HitRun) {
         let limit = hits.limit(number, index);
-        let (meets, near) = self.meets(&world.get(number), limit);
+        let Some(near) = self.entry(&world.get(number), limit) else { return };
         let hit = in_mesh.get(number);
         let t = greater(hit.t, near);
-        if meets && t < limit {
+        if t < limit {
             hits.object[number] = index;
             hits.at.set(number, ObjectHit { t, ..hit });
         }
@@ -253,9 +253,9 @@ impl Task for SphereHits<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
         for number in around(self.mask) {
-            let near = self.bounds.entry(&self.world.get(number), 0.0, self.t_max[number]);
+            let (meets, near) = self.bounds.meets(&self.world.get(number), 0.0, self.t_max[number]);
             let t = self.sphere.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
-            self.t[number] = near.map_or(Real::INFINITY, |near| greater(t, near));
+            self.t[number] = if meets { greater(t, near) } else { Real::INFINITY };
         }
     }
 }

@@ -141,20 +141,29 @@ impl Object {
         t.is_some_and(|t| t <= t_max)
     }
 
+    /// See [`Aabb::entry`].
     #[inline(always)]
     fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
-        let (meets, near) = self.meets(world, t_max);
-        meets.then_some(near)
+        match &self.bounds {
+            Some(bounds) => bounds.entry(world, self.margin(world), t_max),
+            None => Some(0.0),
+        }
     }
 
-    /// Whether a ray meets the bounds at a t up to `t_max`, and where.
+    /// See [`Aabb::meets`].
     #[inline(always)]
     fn meets(&self, world: &PreparedRay, t_max: Real) -> (bool, Real) {
         match &self.bounds {
             Some(bounds) if self.spread == 0.0 => bounds.meets(world, 0.0, t_max),
-            Some(bounds) => bounds.meets(world, self.spread * world.ray.origin.max_abs(), t_max),
+            Some(bounds) => bounds.meets(world, self.margin(world), t_max),
             None => (true, 0.0),
         }
+    }
+
+    /// The bounds are grown by so much for a ray.
+    #[inline(always)]
+    fn margin(&self, world: &PreparedRay) -> Real {
+        if self.spread == 0.0 { 0.0 } else { self.spread * world.ray.origin.max_abs() }
     }
 
     fn ray_to_object(&self, world: &Ray) -> Ray {

@@ -4,7 +4,7 @@ use super::ray::{Shear, ShearAxes};
 use super::run::{Numbers, PreparedRun, RUN, RayRun, around};
 use super::{Aabb, PreparedRay};
 use crate::render::robust::ROUNDING;
-use vecmath::{Real, Vector3, greater, lesser};
+use vecmath::{Real, Vector3, greater, lesser, swapped_if};
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Re
         let max = greater(greater(a[axis], b[axis]), c[axis]);
         let low = (min - ray.ray.origin[axis] - margin) * inverse;
         let high = (max - ray.ray.origin[axis] + margin) * inverse;
-        let (enter, leave) = if inverse >= 0.0 { (low, high) } else { (high, low) };
+        let (enter, leave) = swapped_if(inverse < 0.0, low, high);
         // NaN is passed over: a ray in the plane of a face.
         near = greater(near, enter);
         far = lesser(far, leave);

@@ -30,3 +30,11 @@ pub fn greater(a: Real, b: Real) -> Real {
 pub fn lesser(a: Real, b: Real) -> Real {
     if b < a { b } else { a }
 }
+
+/// (a, b), or (b, a) if so. Without a branch, for what nobody can guess.
+#[inline(always)]
+pub fn swapped_if(so: bool, a: Real, b: Real) -> (Real, Real) {
+    let (x, y) = (a.to_bits(), b.to_bits());
+    let difference = if so { x ^ y } else { 0 };
+    (Real::from_bits(x ^ difference), Real::from_bits(y ^ difference))
+}

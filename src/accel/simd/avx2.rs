@@ -1,6 +1,6 @@
 //! [`Avx2`]: eight numbers in one register of an x86-64 processor with AVX2 and FMA.
 
-use super::{Eight, Lanes, Task};
+use super::{Eight, Lanes, Task, WIDTH, places_in};
 use std::arch::x86_64::*;
 
 /// The proof that the processor has AVX2 and FMA: there is no other way to a value than to ask it.
@@ -15,6 +15,12 @@ impl Avx2 {
             && is_x86_feature_detected!("popcnt");
         there.then_some(Self(()))
     }
+}
+
+#[inline(always)]
+fn places(_: Avx2, bits: u32) -> __m256i {
+    // SAFETY: the processor has AVX2 and FMA.
+    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i64::from_le_bytes(places_in(bits)))) }
 }
 
 impl Lanes for Avx2 {
@@ -131,6 +137,21 @@ impl Lanes for Avx2 {
     fn select(self, mask: __m256, a: __m256, b: __m256) -> __m256 {
         // SAFETY: the processor has AVX2 and FMA.
         unsafe { _mm256_blendv_ps(b, a, mask) }
+    }
+
+    #[inline(always)]
+    fn compress(self, bits: u32, value: __m256, into: &mut Eight) {
+        // SAFETY: the processor has AVX2 and FMA; the reference is to eight numbers, and the store needs no alignment.
+        unsafe { _mm256_storeu_ps(into.as_mut_ptr(), _mm256_permutevar8x32_ps(value, places(self, bits))) }
+    }
+
+    #[inline(always)]
+    fn compress_bits(self, bits: u32, from: [u32; WIDTH], into: &mut [u32; WIDTH]) {
+        // SAFETY: as above, and the load is from eight numbers.
+        unsafe {
+            let from = _mm256_loadu_si256(from.as_ptr().cast());
+            _mm256_storeu_si256(into.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(from, places(self, bits)));
+        }
     }
 
     #[inline(always)]

@@ -16,6 +16,30 @@ pub const WIDTH: usize = 8;
 /// What a register holds, in memory.
 pub type Eight = [f32; WIDTH];
 
+/// For each mask of eight bits the places of those that are set.
+static PLACES: [[u8; WIDTH]; 256] = {
+    let mut places = [[0; WIDTH]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut place, mut count) = (0, 0);
+        while place < WIDTH {
+            if mask >> place & 1 == 1 {
+                places[mask][count] = place as u8;
+                count += 1;
+            }
+            place += 1;
+        }
+        mask += 1;
+    }
+    places
+};
+
+/// The places of the bits that are set, of the lowest eight; then zeros.
+#[inline(always)]
+pub fn places_in(bits: u32) -> [u8; WIDTH] {
+    PLACES[bits as usize % 256]
+}
+
 /// The arithmetic of eight numbers. A value of an implementing type is the proof that the processor has it.
 pub trait Lanes: Copy + Send + Sync {
     /// Eight numbers.
@@ -49,6 +73,10 @@ pub trait Lanes: Copy + Send + Sync {
     fn mask(self, bits: u32) -> Self::M;
     /// `a` where the mask says yes, `b` elsewhere.
     fn select(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
+    /// Stores the lanes whose bits are set one after the other, and anything after them.
+    fn compress(self, bits: u32, value: Self::F, into: &mut Eight);
+    /// The same for integers.
+    fn compress_bits(self, bits: u32, from: [u32; WIDTH], into: &mut [u32; WIDTH]);
     /// Bit i is lane i's yes.
     fn bits(self, mask: Self::M) -> u32;
     /// The smallest of eight numbers, none of them NaN.
@@ -151,6 +179,16 @@ mod tests {
                 l.store(result, &mut eight);
                 numbers.push(eight);
             }
+            for bits in [0, 0b1, 0b1000_0000, 0b0110_1001, 0xff] {
+                let (mut packed, mut counts) = ([0.0; WIDTH], [0; WIDTH]);
+                l.compress(bits, a, &mut packed);
+                l.compress_bits(bits, [10, 11, 12, 13, 14, 15, 16, 17], &mut counts);
+                // What comes after them may be anything.
+                let end = bits.count_ones() as usize;
+                packed[end..].fill(0.0);
+                counts[end..].fill(0);
+                numbers.extend([packed, counts.map(|count| count as f32)]);
+            }
             let (x, y) = (l.le(a, b), l.le(c, a));
             assert_eq!((l.least(a), l.greatest(a), l.least(c)), (-7.0, 6.5, 3.0));
             (numbers, vec![l.bits(x), l.bits(y), l.bits(l.and(x, y)), l.bits(l.or(x, y))])
@@ -161,6 +199,10 @@ mod tests {
     fn all_levels_compute_the_same() {
         let (numbers, bits) = Level::SCALAR.run(Everything);
         assert_eq!(numbers[4], [5.0, 7.0, -6.0, 3.0, -22.0, 6.25, -46.0, 3.0]);
+        let tail = &numbers[numbers.len() - 4..];
+        assert_eq!(tail[0], [1.0, -0.0, 6.5, -7.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(tail[1], [10.0, 13.0, 15.0, 16.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(tail[3], [10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0]);
         assert_eq!(bits, [0b1100_1011, 0b0011_0100, 0, 0b1111_1111]);
         match Level::named("avx2") {
             Some(level) => assert_eq!(level.run(Everything), (numbers, bits)),

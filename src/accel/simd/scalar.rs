@@ -102,6 +102,22 @@ impl Lanes for Scalar {
     }
 
     #[inline(always)]
+    fn compress(self, mut bits: u32, value: Eight, into: &mut Eight) {
+        for number in into {
+            *number = value[bits.trailing_zeros() as usize % WIDTH];
+            bits &= bits.wrapping_sub(1);
+        }
+    }
+
+    #[inline(always)]
+    fn compress_bits(self, mut bits: u32, from: [u32; WIDTH], into: &mut [u32; WIDTH]) {
+        for number in into {
+            *number = from[bits.trailing_zeros() as usize % WIDTH];
+            bits &= bits.wrapping_sub(1);
+        }
+    }
+
+    #[inline(always)]
     fn bits(self, mask: Self::M) -> u32 {
         mask.iter().enumerate().fold(0, |bits, (i, &yes)| bits | u32::from(yes) << i)
     }
