@@ -356,6 +356,44 @@ fn deep_trees_answer_as_the_loop_does() {
     mesh_agrees(&mut mesh, &rays).unwrap();
 }
 
+/// A mesh so small that rays come from more than 2^26 times its size, where rounding moves them sideways by more than that.
+#[test]
+fn rays_from_very_far_answer_as_the_loop_does() {
+    let size = 1e-31f32;
+    let positions = (0..60).flat_map(|i: u32| {
+        let at = |k: u32| [(i * 7 + k * 3) % 5, (i * 3 + k) % 7, (i + k * 5) % 4].map(|c| c as f32 * size);
+        [at(0), at(1), at(2)]
+    });
+    let mut mesh = Mesh::new(positions.collect(), (0..60).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let ray = |i: u32| {
+        let (x, z) = (Real::from(i % 23) * -1.3e-16, Real::from(i / 23) * -1.1e-16);
+        Ray { origin: Vector3::new(9.8e-25, 1.0, 7.1e-25), direction: Vector3::new(x, -1.0, z) }
+    };
+    let rays: Vec<Ray> = (0..320).map(ray).collect();
+    let beside = rays.iter().filter(|ray| {
+        let ray = PreparedRay::new(**ray);
+        any_by_loop(&mesh, &ray, T_MAX) && mesh.bounds().entry(&ray, 1e-25, T_MAX).is_none()
+    });
+    let beside = beside.count();
+    assert!(beside > 5, "{beside}");
+    mesh_agrees(&mut mesh, &rays).unwrap();
+}
+
+/// Directions so long that a hit's t has no more than a few digits.
+#[test]
+fn very_long_directions_answer_as_the_loop_does() {
+    let position = |i: u32| [(i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32].map(|c| c * 1e-16);
+    let positions = (0..90).map(position).collect();
+    let mut mesh = Mesh::new(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let ray = |i: u32| {
+        let target = Vector3::from(position(i).map(Real::from));
+        let origin = Vector3::new(3e-15, -2e-15, 4e-15) * Real::from(1 + i % 3);
+        Ray { origin, direction: (target - origin) * 1e307 * 1e15 }
+    };
+    let rays: Vec<Ray> = (0..64).map(ray).collect();
+    mesh_agrees(&mut mesh, &rays).unwrap();
+}
+
 /// Rays up and down a column of slices meet every box of the tree, so that more is pending than there is room for.
 #[test]
 fn rays_that_meet_everything_answer_as_the_loop_does() {

@@ -20,22 +20,28 @@
 //! **Triangles.** See [`triangles`](super::triangles).
 
 use super::beam::{Beam, GROUPS};
-use super::simd::{Lanes, Task, WIDTH};
+use super::simd::{Lanes, Level, Task, WIDTH};
 use super::walk::DONE;
-use crate::objects::run::{Numbers, PreparedRun, RUN, around};
-use crate::objects::{Aabb, PreparedRay};
+use crate::objects::run::{Numbers, PreparedRun, RUN, around, numbers_in};
+use crate::objects::{Aabb, PreparedRay, Ray};
+use crate::render::robust::ROUNDING;
 use vecmath::{Real, Vector3, greater, lesser};
 
 /// Boxes grow by this on every side, in the frame.
 pub const BOX_MARGIN: f32 = 1.0 / (1 << 18) as f32;
-/// Rays that start farther away, in the frame, are not culled: `f64` would not carry the bounds above.
+/// Rays that start farther away, in the frame, are culled by nothing but the root box, grown by what rounding does to
+/// them: `f64` would not carry the bounds above.
 const FARTHEST: Real = (1u32 << 26) as Real;
-/// Items whose spread (see [`Frame::with_spread`]) is larger than this for a ray, in the frame, are not culled. The
+/// Items whose spread (see [`Frame::with_spread`]) is larger than this for a ray, in the frame, likewise. The
 /// errors above leave half of [`BOX_MARGIN`]; this is an eighth of it.
 const LARGEST_SPREAD: Real = BOX_MARGIN as Real / 8.0;
 /// Directions are longer than this: a component that is not kept from zero has a finite inverse, for it has at least
 /// 2^-30 of the length.
 const SHORTEST: Real = Real::MIN_POSITIVE * (1u64 << 33) as Real;
+/// Directions are so short, in the frame, that its t per t of the ray is far from the ends of the range of `f64`.
+const LARGEST_RATE: Real = Real::EPSILON / 64.0 / Real::MIN_POSITIVE;
+/// Twice the roundings by which the definition of a triangle's hit lets a ray pass beside its box.
+const GRAZING_ROUNDINGS: Real = 64.0;
 /// The centre of a frame of positions is nearer than this, in its scale, so that nothing there leaves the range of
 /// `f32`.
 const FARTHEST_CENTER: Real = (1u64 << 60) as Real;
@@ -59,6 +65,8 @@ pub struct Frame {
     unscale: Real,
     /// Rays whose origin is farther away from the centre, in the sum of coordinates, are not culled.
     farthest: Real,
+    /// Nor are rays of a longer direction, in the sum of components.
+    longest: Real,
     /// Rounding may move rays sideways by this share of their origin's largest coordinate before they meet an item,
     /// beside the errors above.
     spread: Real,
@@ -115,7 +123,8 @@ impl Frame {
         let exponent = exponent + i32::from(half * (2.0 as Real).powi(-exponent) > 1.0);
         let scale = (2.0 as Real).powi(-exponent);
         let (unscale, bounds) = (1.0 / scale, bounds.grown(BOX_MARGIN as Real / scale));
-        Some(Self { center, scale, unscale, farthest: FARTHEST * unscale, spread: 0.0, bounds })
+        let longest = (LARGEST_RATE * unscale).min(Real::MAX);
+        Some(Self { center, scale, unscale, farthest: FARTHEST * unscale, longest, spread: 0.0, bounds })
     }
 
     /// The centre in the frame's scale.
@@ -166,27 +175,58 @@ impl Frame {
     /// The ray in the frame, if it meets the root box at a t up to `t_max`.
     #[inline]
     pub fn enter(&self, ray: &PreparedRay, t_max: Real) -> Entry {
+        if !self.bounds_errors(&ray.ray) {
+            return if self.may_graze(ray, t_max) { Entry::Unknown } else { Entry::Missed };
+        }
         match self.bounds.entry(ray, 0.0, t_max) {
-            Some(start) => match self.moved(ray, start) {
-                (cull_ray, true) => Entry::Met(cull_ray),
-                (_, false) => Entry::Unknown,
-            },
-            // NaN meets every box.
+            Some(start) => Entry::Met(self.moved(ray, start)),
             None => Entry::Missed,
         }
     }
 
-    /// The ray in the frame, and whether it can be culled. At t = `start` it must be within 1 + 2^-16 of the middle on
+    /// [`enter`](Self::enter) of the rays of a mask: those that have met it, which are put into the beam, and those of
+    /// which this is unknown.
+    pub fn enter_many(
+        &self,
+        level: Level,
+        rays: PreparedRun,
+        mask: u64,
+        t_max: &Numbers,
+        beam: &mut Beam,
+    ) -> (u64, u64) {
+        let (met, unbounded) = level.run(EnterMany { frame: self, rays, mask, t_max, beam });
+        let grazing = numbers_in(unbounded).filter(|&number| self.may_graze(&rays.get(number), t_max[number]));
+        (met, grazing.fold(0, |mask, number| mask | 1 << number))
+    }
+
+    /// Whether the errors of a ray have the bounds above: its direction is neither too short nor too long for them, and
+    /// it does not start too far away.
+    #[inline(always)]
+    fn bounds_errors(&self, ray: &Ray) -> bool {
+        self.has_usual_size(ray.direction) & (sum(ray.origin - self.center) <= self.farthest)
+    }
+
+    #[inline(always)]
+    fn has_usual_size(&self, direction: Vector3) -> bool {
+        (largest(direction) > SHORTEST) & (sum(direction) <= self.longest)
+    }
+
+    /// Whether a ray without such bounds may meet an item, by its own rounding: it starts so far away that this exceeds
+    /// the margin of the root box, or has a direction of which nothing can be said.
+    #[cold]
+    fn may_graze(&self, ray: &PreparedRay, t_max: Real) -> bool {
+        let reach = ray.ray.origin.max_abs().max(self.bounds.max_abs());
+        let margin = (GRAZING_ROUNDINGS * ROUNDING + self.spread) * reach;
+        // NaN meets every box.
+        !self.has_usual_size(ray.ray.direction) || self.bounds.entry(ray, margin, t_max).is_some()
+    }
+
+    /// The ray in the frame, if its errors have bounds. At t = `start` it must be within 1 + 2^-16 of the middle on
     /// every axis, and not yet in the box unless `start` is 0.
     #[inline(always)]
-    fn moved(&self, PreparedRay { ray, inverse_direction }: &PreparedRay, start: Real) -> (CullRay, bool) {
+    fn moved(&self, PreparedRay { ray, inverse_direction }: &PreparedRay, start: Real) -> CullRay {
         let from_center = ray.origin - self.center;
-        let sum = |vector: Vector3| vector.x.abs() + vector.y.abs() + vector.z.abs();
-        let [x, y, z] = ray.direction.map(Real::abs).to_array();
-        let largest = greater(greater(x, y), z);
-        // Sums, for they do not pass over NaN.
-        let is_sane =
-            (largest > SHORTEST) & (sum(ray.direction) <= Real::MAX) & (sum(from_center) <= self.farthest);
+        let largest = largest(ray.direction);
         let origin = (from_center + ray.direction * start) * self.scale;
         // 1 / largest, without dividing once more.
         let [x, y, z] = inverse_direction.map(Real::abs).to_array();
@@ -199,25 +239,35 @@ impl Frame {
             let c = if c < LARGEST_INVERSE { c } else { LARGEST_INVERSE };
             if c > -LARGEST_INVERSE { c } else { -LARGEST_INVERSE }
         };
-        let cull_ray = CullRay {
+        CullRay {
             origin: origin.to_array().map(|c| c as f32),
             direction: (ray.direction * smallest).to_array().map(|c| away(c as f32)),
             inverse: (*inverse_direction * largest).to_array().map(|c| near(c as f32)),
             start,
             rate: largest * self.scale,
-        };
-        (cull_ray, is_sane)
+        }
     }
 }
 
+#[inline(always)]
+fn largest(vector: Vector3) -> Real {
+    greater(greater(vector.x.abs(), vector.y.abs()), vector.z.abs())
+}
+
+/// Of the components' sizes. It does not pass over NaN.
+#[inline(always)]
+fn sum(vector: Vector3) -> Real {
+    vector.x.abs() + vector.y.abs() + vector.z.abs()
+}
+
 /// Takes the rays of a mask into a frame, and those that meet it within their `t_max` into a beam. The output are the
-/// rays that have met it, and those that cannot be culled (see [`Entry`]).
-pub struct EnterMany<'a> {
-    pub frame: &'a Frame,
-    pub rays: PreparedRun<'a>,
-    pub mask: u64,
-    pub t_max: &'a Numbers,
-    pub beam: &'a mut Beam,
+/// rays that have met it, and those whose errors have no bounds.
+struct EnterMany<'a> {
+    frame: &'a Frame,
+    rays: PreparedRun<'a>,
+    mask: u64,
+    t_max: &'a Numbers,
+    beam: &'a mut Beam,
 }
 
 impl Task for EnterMany<'_> {
@@ -234,14 +284,16 @@ impl Task for EnterMany<'_> {
         for number in around(mask) {
             let ray = rays.get(number);
             let (meets, near) = frame.bounds.meets(&ray, 0.0, t_max[number]);
-            // Rays outside the mask would widen the search.
-            let meets = meets & (mask >> number & 1 == 1);
-            let (moved, is_sane) = frame.moved(&ray, near);
+            // Rays that are not asked about would widen the search.
+            let is_asked = mask >> number & 1 == 1;
+            let is_sane = frame.bounds_errors(&ray.ray);
+            let moved = frame.moved(&ray, near);
             let limit = moved.limit(t_max[number]);
-            let state = if is_sane { 1.0 } else { 2.0 };
-            states.as_flattened_mut()[number] = if meets { state } else { 0.0 };
+            let state = if meets { 1.0 } else { 0.0 };
+            let state = if is_sane { state } else { 2.0 };
+            states.as_flattened_mut()[number] = if is_asked { state } else { 0.0 };
             (start[number], rate[number]) = (moved.start, moved.rate);
-            beam.set(number, &moved, if meets & is_sane { limit } else { DONE });
+            beam.set(number, &moved, if meets & is_sane & is_asked { limit } else { DONE });
         }
         (beam.start, beam.rate) = (start, rate);
         let (mut met, mut unknown) = (0, 0);

@@ -3,7 +3,7 @@
 use super::beam::{Beam, BeamWalk, Leaves};
 use super::build::{self, Built};
 use super::bundle::{Bundle, FillBundle, Meeting};
-use super::frame::{EnterMany, Entry, Frame};
+use super::frame::{Entry, Frame};
 use super::kept::Kept;
 use super::questions::{Any, Closest, Questions, Search};
 use super::shaft::Shaft;
@@ -206,7 +206,7 @@ impl ObjectTree {
             return;
         }
         let (frame, rays, t_max) = (&self.frame, world.prepared(level), questions.t_max());
-        let (met, unknown) = level.run(EnterMany { frame, rays, mask, t_max, beam });
+        let (met, unknown) = frame.enter_many(level, rays, mask, t_max, beam);
         if met != 0 {
             let leaves = ObjectLeaves { objects: &self.objects, level, world, questions };
             level.run(BeamWalk { tree: &self.tree, beam, mask: met, leaves });

@@ -2,7 +2,7 @@
 
 use super::beam::{Beam, BeamWalk, FEW, GROUPS, Leaves};
 use super::build;
-use super::frame::{CullRay, EnterMany, Entry, Frame};
+use super::frame::{CullRay, Entry, Frame};
 use super::kept::Kept;
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level, WIDTH};
@@ -86,9 +86,8 @@ impl TriangleTree {
         let mut unknown = mask;
         if let Some(culled @ Culled { frame, tree, .. }) = &self.culled {
             let mut beam = BEAM.take().unwrap_or_else(|| Box::new(Beam::EMPTY));
-            let entering = EnterMany { frame, rays, mask, t_max: decide.t_max(), beam: &mut beam };
             let met;
-            (met, unknown) = self.level.run(entering);
+            (met, unknown) = frame.enter_many(self.level, rays, mask, decide.t_max(), &mut beam);
             if met != 0 {
                 let leaves = BlockLeaves { culled, center: frame.scaled_center(), decide };
                 self.level.run(BeamWalk { tree, beam: &mut beam, mask: met, leaves });
