@@ -140,8 +140,7 @@ impl Frame {
 
     /// The same frame for items that rays meet with this spread (see [`Object::spread`](crate::objects::Object)).
     pub fn with_spread(self, spread: Real) -> Self {
-        let center = self.center.x.abs() + self.center.y.abs() + self.center.z.abs();
-        let farthest = (LARGEST_SPREAD * self.unscale / spread - center).min(FARTHEST * self.unscale);
+        let farthest = (LARGEST_SPREAD * self.unscale / spread - sum(self.center)).min(self.farthest);
         Self { spread, farthest, ..self }
     }
 

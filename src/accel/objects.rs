@@ -9,8 +9,8 @@ use super::questions::{Any, Closest, Questions, Search};
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level};
 use super::split::Item;
-use super::tree::{Child, Tree};
-use super::walk::{Call, DONE, EMPTY_STACK, Walk};
+use super::tree::Tree;
+use super::walk::{Call, DONE, walk_all};
 use crate::objects::HitRun;
 use crate::objects::run::{Numbers, RayRun, Vectors, WorldRun, numbers_in};
 use crate::objects::{Aabb, Mesh, Object, ObjectHit, PreparedRay, Ray, T_MAX};
@@ -122,16 +122,7 @@ impl Accelerator {
             }
             Entry::Met(cull_ray) => {
                 let mut visit = Call(|leaf: usize| cull_ray.limit(ask(treed.objects[leaf])));
-                let (tree, limit) = (&treed.tree, cull_ray.limit(t_max));
-                let start = Child::node(0);
-                self.level.run(Walk {
-                    tree,
-                    start,
-                    ray: &cull_ray,
-                    limit,
-                    visit: &mut visit,
-                    stack: &mut { EMPTY_STACK },
-                });
+                walk_all(self.level, &treed.tree, &cull_ray, cull_ray.limit(t_max), &mut visit);
             }
         }
     }

@@ -7,9 +7,9 @@ use super::kept::Kept;
 use super::shaft::Shaft;
 use super::simd::{Lanes, Level, WIDTH};
 use super::split::Item;
-use super::tree::{Child, Tree};
+use super::tree::Tree;
 use super::triangles::Block;
-use super::walk::{DONE, EMPTY_STACK, Visit, Walk};
+use super::walk::{DONE, Visit, walk_all};
 use crate::objects::run::{Numbers, PreparedRun, is_dense, numbers_in};
 use crate::objects::{Aabb, PreparedRay};
 use rayon::prelude::*;
@@ -65,18 +65,8 @@ impl TriangleTree {
             Some((culled, Entry::Met(cull_ray))) => {
                 let (limit, center) = (cull_ray.limit(t_max), culled.frame.scaled_center());
                 let decide = |triangle| cull_ray.limit(decide(triangle));
-                let (tree, start) = (&culled.tree, Child::node(0));
                 let mut visit = BlockVisit { blocks: &culled.blocks, center, ray: &cull_ray, limit, decide };
-                if !tree.nodes.is_empty() {
-                    self.level.run(Walk {
-                        tree,
-                        start,
-                        ray: &cull_ray,
-                        limit,
-                        visit: &mut visit,
-                        stack: &mut { EMPTY_STACK },
-                    });
-                }
+                walk_all(self.level, &culled.tree, &cull_ray, limit, &mut visit);
             }
         }
     }

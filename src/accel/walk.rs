@@ -1,7 +1,7 @@
 //! One ray through a [`Tree`]: its leaves, near ones first.
 
 use super::frame::CullRay;
-use super::simd::{Lanes, Task, WIDTH};
+use super::simd::{Lanes, Level, Task, WIDTH};
 use super::tree::{Child, Node, Tree};
 
 /// A limit below every t: the search is over.
@@ -32,6 +32,15 @@ pub struct Walk<'a, V> {
 pub type Stack = [(f32, Child); STACK];
 
 pub const EMPTY_STACK: Stack = [(0.0, Child::NONE); STACK];
+
+/// Walks a tree from its root.
+#[inline]
+pub fn walk_all(level: Level, tree: &Tree, ray: &CullRay, limit: f32, visit: &mut impl Visit) {
+    if !tree.nodes.is_empty() {
+        let (start, stack) = (Child::node(0), &mut { EMPTY_STACK });
+        level.run(Walk { tree, start, ray, limit, visit, stack });
+    }
+}
 
 /// A leaf's number is enough for a closure.
 pub struct Call<F>(pub F);
