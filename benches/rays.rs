@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(name) => Level::named(name).ok_or("no such level here")?,
         None => Level::detected(),
     };
+    mesh.build_tree();
     mesh.set_level(level);
     let rays = read_rays(&std::fs::read(value("--rays").ok_or("--rays FILE or --build is missing")?)?)?;
     let count: u32 = rays.iter().map(|run| run.mask.count_ones()).sum();

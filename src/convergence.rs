@@ -9,8 +9,8 @@ use crate::plan::Plan;
 use crate::reference::{Reference, TrueError};
 use crate::render::estimate::ErrorEstimate;
 use crate::render::{Frame, Progress, render};
-use crate::report::{Stopwatch, Times};
 use crate::scene::Scene;
+use crate::timing::{Stopwatch, Times};
 use std::fmt::Write as _;
 
 /// A line of the table.

@@ -32,6 +32,7 @@ pub mod reference;
 pub mod render;
 pub mod report;
 pub mod scene;
+pub mod timing;
 
 use args::{CompareArgs, RenderArgs, Request};
 use compare::Comparison;
@@ -42,12 +43,13 @@ use rayon::prelude::*;
 use reference::{Reference, TrueError};
 use render::Frame;
 use render::estimate::ErrorEstimate;
-use report::{Phases, RayCounts, Report, Sampling, Stopwatch, Times};
+use report::{Phases, RayCounts, Report, Sampling};
 use scene::compile::{Compiled, compile};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use timing::{Stopwatch, Times};
 
 /// What a run has to say, and how it ended.
 #[derive(Debug)]

@@ -5,60 +5,9 @@ mod text;
 use crate::args::RenderArgs;
 use crate::reference::TrueError;
 use crate::render::estimate::ErrorEstimate;
-use cpu_time::ProcessTime;
+use crate::timing::Times;
 use std::fmt;
-use std::ops::{Add, AddAssign};
-use std::time::{Duration, Instant};
-
-/// Time on the clock, and time that all processors together spent on this program.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Times {
-    pub wall: Duration,
-    pub cpu: Duration,
-}
-
-impl AddAssign for Times {
-    fn add_assign(&mut self, other: Self) {
-        self.wall += other.wall;
-        self.cpu += other.cpu;
-    }
-}
-
-impl Add for Times {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
-    }
-}
-
-impl Times {
-    /// What is left without a part, at least nothing.
-    #[must_use]
-    pub fn without(self, part: Self) -> Self {
-        Self { wall: self.wall.saturating_sub(part.wall), cpu: self.cpu.saturating_sub(part.cpu) }
-    }
-}
-
-/// Measures [`Times`].
-#[derive(Debug)]
-pub struct Stopwatch {
-    wall: Instant,
-    cpu: Option<ProcessTime>,
-}
-
-impl Stopwatch {
-    pub fn start() -> Self {
-        Self { wall: Instant::now(), cpu: ProcessTime::try_now().ok() }
-    }
-
-    /// The times since the start.
-    pub fn times(&self) -> Times {
-        let cpu = self.cpu.and_then(|start| Some(ProcessTime::try_now().ok()?.duration_since(start)));
-        Times { wall: self.wall.elapsed(), cpu: cpu.unwrap_or_default() }
-    }
-}
+use std::ops::AddAssign;
 
 /// The parts of the work.
 #[derive(Clone, Copy, Debug, Default)]

@@ -22,6 +22,12 @@ fn levels() -> Vec<Level> {
     here
 }
 
+fn mesh_with_tree(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut mesh = Mesh::new(positions, triangles);
+    mesh.build_tree();
+    mesh
+}
+
 /// The same cases at every run.
 fn check<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), TestCaseError>) {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
@@ -159,7 +165,7 @@ fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
 fn a_mesh_answers_as_the_loop_does() {
     let cases = (soup(), prop::collection::vec(any_ray(), 1..80));
     check(150, cases, |((positions, triangles), rays)| {
-        let mut mesh = Mesh::new(positions, triangles);
+        let mut mesh = mesh_with_tree(positions, triangles);
         prop_assert_eq!(mesh.tree().map(|tree| tree.validate(|triangle| mesh.corners(triangle))), Some(Ok(())));
         mesh_agrees(&mut mesh, &rays)
     });
@@ -168,7 +174,7 @@ fn a_mesh_answers_as_the_loop_does() {
 #[test]
 fn a_mesh_answers_as_the_loop_does_at_edges_and_corners() {
     check(80, (soup(), any_ray()), |((positions, triangles), ray)| {
-        let mut mesh = Mesh::new(positions, triangles);
+        let mut mesh = mesh_with_tree(positions, triangles);
         let rays = aimed_rays(&mesh, ray.origin, ray.direction);
         mesh_agrees(&mut mesh, &rays)
     });
@@ -191,7 +197,7 @@ fn coherent_rays_answer_as_the_loop_does() {
                 [[a, b, c], [b, d, c]]
             })
             .collect();
-        let mut mesh = Mesh::new(positions, triangles);
+        let mut mesh = mesh_with_tree(positions, triangles);
         let eye = Vector3::new(0.1, -0.2, distance) * Real::from(scale);
         let ray = |i: u32| {
             let (x, y) = (Real::from(i % 8) / 7.0 - 0.5, Real::from(i / 8) / 31.0 - 0.5);
@@ -221,7 +227,7 @@ fn placement() -> impl Strategy<Value = Option<Matrix4>> {
 fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
     let object = (0..6u8, placement(), position(), position(), 0u32..3);
     (prop::collection::vec(object, 1..40), soup(), soup()).prop_map(|(objects, one, other)| {
-        let meshes = vec![Mesh::new(one.0, one.1), Mesh::new(other.0, other.1)];
+        let meshes = vec![mesh_with_tree(one.0, one.1), mesh_with_tree(other.0, other.1)];
         let vector = |p: [f32; 3]| Vector3::from(p.map(Real::from));
         let made = objects.into_iter().flat_map(|(kind, matrix, p, q, copies)| {
             let (shape, bounds) = match kind {
@@ -327,7 +333,7 @@ fn very_short_directions_answer_as_the_loop_does() {
         };
         let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
         let positions = corners.map(|corner| turned(corner).map(|c| c as f32)).to_vec();
-        let mut mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]);
+        let mut mesh = mesh_with_tree(positions, vec![[0, 1, 2], [0, 2, 3]]);
         let ray = |i: u32| {
             let share = Real::from(i as f32 - 40.0) * 0.1e-9;
             // As short is the way to the mesh, so that t is an ordinary number.
@@ -350,7 +356,7 @@ fn deep_trees_answer_as_the_loop_does() {
         positions.extend([[size, 0.0, 0.0], [size, size, 0.0], [size, 0.0, size]]);
     }
     let triangles = (0..120).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mut mesh = Mesh::new(positions, triangles);
+    let mut mesh = mesh_with_tree(positions, triangles);
     assert_eq!(mesh.tree().unwrap().validate(|triangle| mesh.corners(triangle)), Ok(()));
     let rays = aimed_rays(&mesh, Vector3::new(3.0, 0.4, 0.3), Vector3::new(-1.0, 1e-3, 1e-3));
     mesh_agrees(&mut mesh, &rays).unwrap();
@@ -364,7 +370,7 @@ fn rays_from_very_far_answer_as_the_loop_does() {
         let at = |k: u32| [(i * 7 + k * 3) % 5, (i * 3 + k) % 7, (i + k * 5) % 4].map(|c| c as f32 * size);
         [at(0), at(1), at(2)]
     });
-    let mut mesh = Mesh::new(positions.collect(), (0..60).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let mut mesh = mesh_with_tree(positions.collect(), (0..60).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
     let ray = |i: u32| {
         let (x, z) = (Real::from(i % 23) * -1.3e-16, Real::from(i / 23) * -1.1e-16);
         Ray { origin: Vector3::new(9.8e-25, 1.0, 7.1e-25), direction: Vector3::new(x, -1.0, z) }
@@ -384,7 +390,7 @@ fn rays_from_very_far_answer_as_the_loop_does() {
 fn very_long_directions_answer_as_the_loop_does() {
     let position = |i: u32| [(i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32].map(|c| c * 1e-16);
     let positions = (0..90).map(position).collect();
-    let mut mesh = Mesh::new(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let mut mesh = mesh_with_tree(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
     let ray = |i: u32| {
         let target = Vector3::from(position(i).map(Real::from));
         let origin = Vector3::new(3e-15, -2e-15, 4e-15) * Real::from(1 + i % 3);
@@ -404,7 +410,7 @@ fn rays_that_meet_everything_answer_as_the_loop_does() {
     };
     let positions = (0..slices).flat_map(slice).collect();
     let triangles = (0..slices).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mut mesh = Mesh::new(positions, triangles);
+    let mut mesh = mesh_with_tree(positions, triangles);
     let ray = |i: u32| {
         let (x, up) = (Real::from(i) * 0.01, if i.is_multiple_of(2) { 1.0 } else { -1.0 });
         Ray { origin: Vector3::new(x, 0.1, 0.5 - up), direction: Vector3::new(0.01, x, up) }
@@ -420,7 +426,7 @@ fn trees_do_not_depend_on_the_number_of_threads() {
     let triangles: Vec<[u32; 3]> = (0..60_000).map(|i| [i, (i * 7 + 1) % 60_000, (i + 1) % 60_000]).collect();
     let built = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mesh = pool.install(|| Mesh::new(positions.clone(), triangles.clone()));
+        let mesh = pool.install(|| mesh_with_tree(positions.clone(), triangles.clone()));
         assert_eq!(mesh.tree().unwrap().validate(|triangle| mesh.corners(triangle)), Ok(()));
         format!("{:?}", mesh.tree())
     };

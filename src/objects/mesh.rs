@@ -4,7 +4,6 @@ use super::triangle::face_normal;
 use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
 use crate::accel::TriangleTree;
 use crate::accel::simd::Level;
-use crate::report::{Stopwatch, Times};
 use rayon::prelude::*;
 use vecmath::{Real, Vector3};
 
@@ -17,9 +16,8 @@ pub struct Mesh {
     /// One a position: unit length, or zero where the faces around it cancel out.
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
-    /// `None` without triangles.
+    /// `None` without triangles, and until it is built.
     tree: Option<TriangleTree>,
-    build_times: Times,
 }
 
 /// Where a ray meets a mesh.
@@ -33,28 +31,19 @@ pub struct MeshHit {
 const AT_ONCE: usize = 1 << 16;
 
 impl Mesh {
-    /// A mesh of these positions and corner indices, which must be in range.
+    /// A mesh of these positions and corner indices, which must be in range. It has no tree yet.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        let mut mesh = Self {
-            bounds: bounds_of(&positions),
-            vertex_normals: Vec::new(),
-            tree: None,
-            build_times: Times::default(),
-            positions,
-            triangles,
-        };
+        let mut mesh =
+            Self { bounds: bounds_of(&positions), vertex_normals: Vec::new(), tree: None, positions, triangles };
         mesh.vertex_normals = mesh.smooth_normals();
-        if !mesh.triangles.is_empty() {
-            let watch = Stopwatch::start();
-            mesh.tree = Some(mesh.built_tree());
-            mesh.build_times = watch.times();
-        }
         mesh
     }
 
-    /// What building the tree took.
-    pub fn build_times(&self) -> Times {
-        self.build_times
+    /// Builds the tree over the triangles, if there are any.
+    pub fn build_tree(&mut self) {
+        if !self.triangles.is_empty() {
+            self.tree = Some(self.built_tree());
+        }
     }
 
     /// For each position, the sum of the unit normals of its faces as a unit vector. Faces count the same whatever
@@ -251,7 +240,8 @@ mod tests {
     #[test]
     fn of_two_equal_triangles_the_first_is_hit() {
         let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let mesh = Mesh::new(positions, vec![[0, 1, 2]; 40]);
+        let mut mesh = Mesh::new(positions, vec![[0, 1, 2]; 40]);
+        mesh.build_tree();
         assert!(mesh.has_tree());
         let origin = Vector3::new(0.2, 0.2, 3.0);
         let ray = PreparedRay::new(Ray { origin, direction: Vector3::new(0.0, 0.0, -1.0) });

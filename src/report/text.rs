@@ -1,8 +1,9 @@
 //! A [`Report`] as JSON and as a table.
 
-use super::{Report, Times, peak_memory};
+use super::{Report, peak_memory};
 use crate::reference::TrueError;
 use crate::render::estimate::{ErrorEstimate, Interval};
+use crate::timing::Times;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -12,7 +12,7 @@ use crate::error::{Error, SourceText};
 use crate::light::Light;
 use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
 use crate::plan::{Plan, to_material};
-use crate::report::{Stopwatch, Times};
+use crate::timing::{Stopwatch, Times};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,11 +53,13 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
     flattened.add(&description.root, None)?;
     let Flattened { objects, mut meshes, hints, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
-    meshes.iter_mut().for_each(|mesh| mesh.set_level(plan.simd));
-    let mut build = meshes.iter().fold(Times::default(), |sum, mesh| sum + mesh.build_times());
     let watch = Stopwatch::start();
+    for mesh in &mut meshes {
+        mesh.build_tree();
+        mesh.set_level(plan.simd);
+    }
     let accelerator = Accelerator::with_level(&objects, plan.simd);
-    build += watch.times();
+    let build = watch.times();
     let scene = Scene {
         camera,
         lights,

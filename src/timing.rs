@@ -1,0 +1,94 @@
+//! [`Stopwatch`] measures [`Times`]: how long something took on the clock, and how long it kept the processors busy.
+//!
+//! Reads clocks and nothing else. What the times belong to is the caller's business.
+
+use std::ops::{Add, AddAssign};
+use std::time::{Duration, Instant};
+
+/// Time on the clock, and processor time of all threads of this program together.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Times {
+    pub wall: Duration,
+    pub cpu: Duration,
+}
+
+impl AddAssign for Times {
+    fn add_assign(&mut self, other: Self) {
+        self.wall += other.wall;
+        self.cpu += other.cpu;
+    }
+}
+
+impl Add for Times {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl Times {
+    /// Subtracts a part; the result is never below zero.
+    #[must_use]
+    pub fn without(self, part: Self) -> Self {
+        Self { wall: self.wall.saturating_sub(part.wall), cpu: self.cpu.saturating_sub(part.cpu) }
+    }
+}
+
+/// Measures [`Times`] from its start.
+#[derive(Debug)]
+pub struct Stopwatch {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Stopwatch {
+    pub fn start() -> Self {
+        Self { wall: Instant::now(), cpu: processor_time() }
+    }
+
+    /// The times since the start.
+    pub fn times(&self) -> Times {
+        Times { wall: self.wall.elapsed(), cpu: processor_time().saturating_sub(self.cpu) }
+    }
+}
+
+/// Processor time of this process so far.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    use rustix::time::{ClockId, clock_gettime};
+    Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap_or_default()
+}
+
+/// Zero: how to ask other systems is not known here.
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    Duration::ZERO
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_takes_both_kinds_of_time() {
+        let watch = Stopwatch::start();
+        // Other threads may add processor time, and nothing takes it away.
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_millis(20) {
+            std::hint::spin_loop();
+        }
+        let times = watch.times();
+        assert!(times.wall >= Duration::from_millis(20), "{times:?}");
+        assert!(cfg!(not(unix)) || times.cpu > Duration::ZERO, "{times:?}");
+    }
+
+    #[test]
+    fn a_part_larger_than_the_whole_leaves_nothing() {
+        let short = Times { wall: Duration::from_secs(1), cpu: Duration::from_secs(3) };
+        let long = Times { wall: Duration::from_secs(2), cpu: Duration::from_secs(1) };
+        let rest = short.without(long);
+        assert_eq!((rest.wall, rest.cpu), (Duration::ZERO, Duration::from_secs(2)));
+    }
+}
