@@ -1,8 +1,8 @@
 //! Two pictures in, how much they differ out.
 
-use crate::args::CompareArgs;
 use crate::error::Error;
 use crate::film::write_png;
+use crate::options::CompareOptions;
 use image::RgbImage;
 use std::fmt;
 use std::path::Path;
@@ -77,7 +77,7 @@ pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
 ///
 /// # Errors
 /// [`Error::File`] when a picture cannot be read or the sizes differ.
-pub fn compare_files(args: &CompareArgs) -> Result<Comparison, Error> {
+pub fn compare_files(args: &CompareOptions) -> Result<Comparison, Error> {
     let (a, b) = (read_rgb(&args.a)?, read_rgb(&args.b)?);
     if a.dimensions() != b.dimensions() {
         let size = |picture: &RgbImage| format!("{} x {}", picture.width(), picture.height());

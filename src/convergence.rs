@@ -4,7 +4,7 @@
 //! that number gives, and each line of the table has that picture's own cost. (Going on from one to the next would
 //! cost half as much, but a stratified set of samples cannot be extended.)
 
-use crate::args::RenderArgs;
+use crate::options::Options;
 use crate::plan::Plan;
 use crate::reference::{Reference, TrueError};
 use crate::render::estimate::ErrorEstimate;
@@ -29,7 +29,7 @@ pub struct Point {
 pub fn render_doubling(
     scene: &Scene,
     plan: &Plan,
-    args: &RenderArgs,
+    args: &Options,
     reference: Option<&Reference>,
     progress: &dyn Progress,
 ) -> (Frame, Vec<Point>) {
@@ -55,7 +55,7 @@ pub fn render_doubling(
 }
 
 /// The points as CSV; what is not known is empty.
-pub fn csv(args: &RenderArgs, points: &[Point]) -> String {
+pub fn csv(args: &Options, points: &[Point]) -> String {
     let mut text = "sampler,samples,seconds,cpu_seconds,rays,estimated_rmse_levels,estimated_low_95,\
                     estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_ssim\n"
         .to_owned();

@@ -26,6 +26,7 @@ pub mod film;
 pub mod light;
 pub mod material;
 pub mod objects;
+pub mod options;
 pub mod plan;
 mod progress;
 pub mod reference;
@@ -34,10 +35,11 @@ pub mod report;
 pub mod scene;
 pub mod timing;
 
-use args::{CompareArgs, RenderArgs, Request};
+use args::Request;
 use compare::Comparison;
 use error::Error;
 use film::Film;
+use options::{CompareOptions, Options};
 use plan::Plan;
 use rayon::prelude::*;
 use reference::{Reference, TrueError};
@@ -79,7 +81,7 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
     }
 }
 
-fn compare(args: &CompareArgs) -> Result<Outcome, Error> {
+fn compare(args: &CompareOptions) -> Result<Outcome, Error> {
     let comparison: Comparison = compare::compare_files(args)?;
     let alike = comparison.percent_over(args.levels) <= args.percent;
     let verdict = if alike { "alike" } else { "different" };
@@ -113,7 +115,7 @@ pub struct Rendered {
 ///
 /// # Errors
 /// Whatever is wrong with the scene or a file that it names.
-pub fn render_scene(args: &RenderArgs) -> Result<Rendered, Error> {
+pub fn render_scene(args: &Options) -> Result<Rendered, Error> {
     let deadline = deadline(args);
     let mut phases = Phases::default();
     let reference = args.measure.reference.as_ref().map(|path| Reference::read(path, args.width, args.height));
@@ -136,7 +138,7 @@ pub fn render_scene(args: &RenderArgs) -> Result<Rendered, Error> {
         Sampling::even(u64::from(args.width) * u64::from(args.height), args.samples() * args.grid_pixels());
     let mut points = Vec::new();
     let frame: Frame;
-    if args.measure.is_progressive() {
+    if args.measure.is_adaptive() {
         (frame, sampling) = render::render_progressively(&scene, &plan, args, deadline, &progress);
     } else if args.measure.convergence.is_some() {
         (frame, points) = convergence::render_doubling(&scene, &plan, args, reference.as_ref(), &progress);
@@ -165,7 +167,7 @@ pub fn render_scene(args: &RenderArgs) -> Result<Rendered, Error> {
 }
 
 /// When to stop tracing rays, so that there is time left to write the pictures.
-fn deadline(args: &RenderArgs) -> Option<Instant> {
+fn deadline(args: &Options) -> Option<Instant> {
     /// A slow disk, and a PNG that does not compress.
     const BYTES_A_SECOND: f64 = 60e6;
     /// What cannot be interrupted: the rays under way, starting and ending threads.
@@ -187,7 +189,7 @@ fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
-fn render_to_files(args: &RenderArgs) -> Result<(), Error> {
+fn render_to_files(args: &Options) -> Result<(), Error> {
     let total = Stopwatch::start();
     let depth_path = args.depth.as_ref().map(|depth| depth.path.as_path());
     let pictures = [args.color.as_deref(), args.normals.as_deref(), depth_path];
@@ -216,7 +218,7 @@ fn render_to_files(args: &RenderArgs) -> Result<(), Error> {
     })
 }
 
-fn write_pictures(args: &RenderArgs, film: &Film) -> Result<(), Error> {
+fn write_pictures(args: &Options, film: &Film) -> Result<(), Error> {
     if let (Some(path), Some(numbers), true) = (&args.color, &film.linear, args.color_is_numbers()) {
         film::write_numbers(path, film.width, film.height, numbers)?;
     }
@@ -233,7 +235,7 @@ fn write_pictures(args: &RenderArgs, film: &Film) -> Result<(), Error> {
 }
 
 /// What was measured, where it was asked for.
-fn write_findings(args: &RenderArgs, rendered: Rendered, total: &Stopwatch) -> Result<(), Error> {
+fn write_findings(args: &Options, rendered: Rendered, total: &Stopwatch) -> Result<(), Error> {
     let measure = &args.measure;
     let write_text =
         |path: &Path, text: &str| film::write_whole(path, "the file", |file| file.write_all(text.as_bytes()));
@@ -258,7 +260,7 @@ fn write_findings(args: &RenderArgs, rendered: Rendered, total: &Stopwatch) -> R
     if measure.stats {
         say(&report.table());
     } else if !args.quiet {
-        if measure.is_progressive() {
+        if measure.is_adaptive() {
             say(&report.verdict());
         }
         if let (Some(error), None) = (&report.true_error, &measure.report) {

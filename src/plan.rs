@@ -3,9 +3,8 @@
 //! A scene pays only for what it needs. What is left out here can change no byte of any picture that was asked for.
 
 use crate::accel::simd::Level;
-use crate::args::RenderArgs;
 use crate::material::Material;
-use crate::render::robust::Epsilon;
+use crate::options::{Epsilon, Options};
 use crate::scene::description::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -37,7 +36,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    pub fn new(args: &RenderArgs, description: &Description) -> Self {
+    pub fn new(args: &Options, description: &Description) -> Self {
         let mut left_out = Vec::new();
         let mut leave_out = |unless: bool, why: &str| {
             if !unless {
@@ -90,7 +89,7 @@ impl Plan {
         }
     }
 
-    fn decide_rays(&mut self, args: &RenderArgs, description: &Description, materials: &[&MaterialBlock]) {
+    fn decide_rays(&mut self, args: &Options, description: &Description, materials: &[&MaterialBlock]) {
         let has_mirror = materials.iter().any(|block| to_material(block).is_mirror());
         self.shadows = args.shadows && !self.lights.is_empty();
         self.bounces = if has_mirror { args.bounces } else { 0 };
@@ -111,11 +110,11 @@ impl Plan {
     }
 
     /// The plan as a text for a person.
-    pub fn explain(&self, args: &RenderArgs) -> String {
+    pub fn explain(&self, args: &Options) -> String {
         let mut text = String::new();
         let pictures = [(self.color, "colour"), (self.normals, "normals"), (self.depth, "depth")];
         let pictures: Vec<&str> = pictures.iter().filter(|picture| picture.0).map(|picture| picture.1).collect();
-        let samples = match args.measure.is_progressive() {
+        let samples = match args.measure.is_adaptive() {
             true => "as many samples as it takes".to_owned(),
             false => format!("{} sample(s) a pixel", args.samples() * args.grid_pixels()),
         };

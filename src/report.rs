@@ -2,7 +2,7 @@
 
 mod text;
 
-use crate::args::RenderArgs;
+use crate::options::Options;
 use crate::reference::TrueError;
 use crate::render::estimate::ErrorEstimate;
 use crate::timing::Times;
@@ -73,7 +73,7 @@ impl Sampling {
 /// Everything that is known about a run.
 #[derive(Debug)]
 pub struct Report<'a> {
-    pub args: &'a RenderArgs,
+    pub args: &'a Options,
     pub threads: usize,
     pub phases: Phases,
     pub total: Times,

@@ -4,7 +4,8 @@
 //! `cargo test --release --test statistics -- --ignored --nocapture` runs the long form of the test of honesty and
 //! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
 
-use a2::args::{RenderArgs, Request};
+use a2::args::Request;
+use a2::options::Options;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
@@ -21,7 +22,7 @@ const SCENES: [&str; 7] = [
 ];
 const SAMPLERS: [&str; 3] = ["independent", "stratified", "sobol"];
 
-fn arguments(scene: &str, flags: &str) -> RenderArgs {
+fn arguments(scene: &str, flags: &str) -> Options {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let line = format!("-input {}/{scene} -output unused.png -quiet {flags}", data.display());
     match a2::args::parse(line.split(' ').filter(|word| !word.is_empty()).map(OsString::from)) {
@@ -33,12 +34,12 @@ fn arguments(scene: &str, flags: &str) -> RenderArgs {
     }
 }
 
-fn rendered(args: &RenderArgs) -> a2::Rendered {
+fn rendered(args: &Options) -> a2::Rendered {
     a2::render_scene(args).unwrap()
 }
 
 /// Colours of a picture, as numbers.
-fn colors(args: &RenderArgs) -> Vec<f64> {
+fn colors(args: &Options) -> Vec<f64> {
     rendered(args).film.linear.unwrap().into_iter().map(f64::from).collect()
 }
 
@@ -51,11 +52,11 @@ struct Many {
 }
 
 /// One value a pixel: the mean of its channels.
-fn many(args: &RenderArgs, seeds: std::ops::Range<u64>) -> Many {
+fn many(args: &Options, seeds: std::ops::Range<u64>) -> Many {
     let runs = (seeds.end - seeds.start) as f64;
     let mut many = Many { runs, mean: vec![], variance: vec![] };
     for (run, seed) in seeds.enumerate() {
-        let values = colors(&RenderArgs { seed, ..args.clone() });
+        let values = colors(&Options { seed, ..args.clone() });
         let values: Vec<f64> = values.chunks(3).map(|c| (c[0] + c[1] + c[2]) / 3.0).collect();
         if run == 0 {
             many.mean = vec![0.0; values.len()];
@@ -169,7 +170,7 @@ fn even_samples_are_better_than_independent_ones() {
         let error = |sampler: &str, samples: u32| {
             let flags = format!("{size} -sampler {sampler} -samples {samples}");
             (0..4)
-                .map(|seed| mean_square(&colors(&RenderArgs { seed, ..arguments(scene, &flags) }), &truth))
+                .map(|seed| mean_square(&colors(&Options { seed, ..arguments(scene, &flags) }), &truth))
                 .sum::<f64>()
         };
         let (independent, stratified, sobol) =
@@ -201,7 +202,7 @@ struct Honesty {
 fn honesty(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Honesty {
     let mut honesty = Honesty::default();
     for seed in 0..seeds {
-        let run = rendered(&RenderArgs { seed, ..arguments(scene, flags) });
+        let run = rendered(&Options { seed, ..arguments(scene, flags) });
         let estimate = run.estimate.unwrap();
         let colors: Vec<f64> = run.film.linear.unwrap().into_iter().map(f64::from).collect();
         let linear = mean_square(&colors, truth).sqrt();

@@ -1,10 +1,11 @@
 //! The flags and values as typed: `clap` splits the line, and what it refuses is said in this program's words.
 
 use crate::error::{Error, probably_meant};
+use crate::options::has_extension;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches};
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Every way in which `-robust` departs from the starter.
@@ -38,6 +39,12 @@ pub(super) const FLAGS: &[Flag] = &[
         "Shadow and mirror rays start E along them [default: 0.01], or auto: just off the surface",
     ),
     ("robust", &[], "Right at every scale, not the starter's shortcuts (listed below)"),
+    (
+        "plain",
+        &[],
+        "Render by the plain definition, one ray at a time: slower, same bytes; the first thing to try when a \
+         picture looks wrong",
+    ),
     ("threads", &["N"], "Worker threads [default: one per processor]"),
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
     ("simd", &["LEVEL"], "scalar or avx2, same pictures [default: the best this processor has]"),
@@ -193,8 +200,4 @@ pub(super) fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
         return Ok(path);
     }
     must_be_png("output", path)
-}
-
-pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }

@@ -6,7 +6,7 @@
 //! runs would be wrong (Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH 1991).
 //!
 //! The model: n samples in each of two halves leave a squared error of s^2 / (2 n^b), s^2 the pixel's variance and b
-//! the sampler's [`expected_decay`](super::SamplerKind::expected_decay). The sum of these over the pixels is smallest
+//! the sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). The sum of these over the pixels is smallest
 //! for a given number of samples where n is proportional to (s^2)^(1/(1 + b)).
 
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ pub struct Allocation {
     steps: Vec<u8>,
     /// The sum of s^2 over the pixels of each step.
     variances: Vec<f64>,
-    decay: f64,
+    order: f64,
     /// Samples in each half of a pixel are this times its weight.
     scale: f64,
     /// How many times larger the error has turned out to be than the model says.
@@ -44,15 +44,15 @@ fn weight(step: usize) -> f64 {
 
 impl Allocation {
     /// `variances` are those of single samples in squared levels, one a pixel, rows of `width`.
-    pub fn new(variances: &[f32], width: usize, decay: f64) -> Self {
-        let steps_a_doubling = (STEPS / (1.0 + decay)) as f32;
+    pub fn new(variances: &[f32], width: usize, order: f64) -> Self {
+        let steps_a_doubling = (STEPS / (1.0 + order)) as f32;
         let steps: Vec<u8> = pooled(variances, width)
             .into_par_iter()
             .map(|variance| (steps_a_doubling * variance.max(LEAST_VARIANCE).log2()).round() as u8)
             .collect();
         let mut sums = vec![0.0; 256];
-        steps.iter().for_each(|&step| sums[usize::from(step)] += weight(usize::from(step)).powf(1.0 + decay));
-        Self { steps, variances: sums, decay, scale: 0.0, calibration: 1.0 }
+        steps.iter().for_each(|&step| sums[usize::from(step)] += weight(usize::from(step)).powf(1.0 + order));
+        Self { steps, variances: sums, order, scale: 0.0, calibration: 1.0 }
     }
 
     /// Samples in each half of a pixel, at the present scale.
@@ -63,7 +63,7 @@ impl Allocation {
     /// The mean squared error in levels that the model expects with this scale.
     fn expected(&self, scale: f64) -> f64 {
         let error = |(step, variance): (usize, &f64)| {
-            variance / (2.0 * f64::from(goal(weight(step) * scale)).powf(self.decay))
+            variance / (2.0 * f64::from(goal(weight(step) * scale)).powf(self.order))
         };
         self.variances.iter().enumerate().map(error).sum::<f64>() / self.steps.len() as f64
     }

@@ -11,5 +11,5 @@ mod tiles;
 pub mod trace;
 
 pub use progressive::render as render_progressively;
-pub use sampling::{SamplePattern, SampleSet, SamplerKind};
+pub use sampling::{SamplePattern, SampleSet};
 pub use tiles::{Frame, Progress, render};

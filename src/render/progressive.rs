@@ -8,13 +8,13 @@
 use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
-use super::sampling::{SamplePattern, SamplerKind};
-use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead};
+use super::sampling::SamplePattern;
+use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead, extra_planes};
 use super::trace::{Seen, Tracer};
-use crate::args::RenderArgs;
 use crate::camera::Places;
 use crate::film::{Film, Pixel};
 use crate::objects::run::Rays;
+use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::report::{RayCounts, Sampling};
 use crate::scene::Scene;
@@ -40,7 +40,7 @@ struct TileState {
 struct Progressive<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
-    args: &'a RenderArgs,
+    args: &'a Options,
     maker: RayMaker<'a>,
     /// Nothing is begun after this.
     deadline: Option<Instant>,
@@ -56,7 +56,7 @@ const PILOT_SET: u32 = 1 << 30;
 pub fn render(
     scene: &Scene,
     plan: &Plan,
-    args: &RenderArgs,
+    args: &Options,
     deadline: Option<Instant>,
     progress: &dyn Progress,
 ) -> (Frame, Sampling) {
@@ -106,8 +106,8 @@ impl Progressive<'_> {
             return;
         }
         let Some(variances) = self.pilot() else { return };
-        let decay = self.args.measure.sampler.expected_decay();
-        let mut allocation = Allocation::new(&variances, self.args.width as usize, decay);
+        let order = self.args.measure.sampler.convergence_order();
+        let mut allocation = Allocation::new(&variances, self.args.width as usize, order);
         // The first wave shows how good the model is; it should not overshoot.
         let mut margin = 1.5;
         while self.mean_square_error() > aim {
@@ -265,7 +265,7 @@ impl Progressive<'_> {
     fn finished(self, preview: Option<Preview>) -> (Frame, Sampling) {
         let errors = self.errors();
         let args = self.args;
-        let mut film = Film::new(args.width, args.height, self.plan, args.extra_planes());
+        let mut film = Film::new(args.width, args.height, self.plan, extra_planes(args));
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         let mut sampling = Sampling { waves: self.waves, ..Sampling::default() };
         for state in self.tiles {

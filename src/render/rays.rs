@@ -1,12 +1,12 @@
 //! From pixels to rays: which samples, where, and how what they see is displayed.
 
-use super::sampling::{SamplePattern, SampleSet, SamplerKind};
+use super::sampling::{SamplePattern, SampleSet};
 use super::trace::Seen;
 use crate::accel::simd::Level;
-use crate::args::RenderArgs;
 use crate::camera::{CameraRays, PixelGrid, Places};
 use crate::film::Pixel;
 use crate::objects::run::Rays;
+use crate::options::{Options, SamplerKind};
 use crate::scene::Scene;
 use vecmath::Real;
 
@@ -21,7 +21,7 @@ pub enum SetSizes {
 }
 
 impl SetSizes {
-    pub fn new(args: &RenderArgs) -> Self {
+    pub fn new(args: &Options) -> Self {
         let samples = args.samples();
         match args.measure.sampler {
             _ if samples < 2 || !args.measure.wants_estimate() => Self::One(samples),
@@ -47,7 +47,7 @@ pub struct RayMaker<'a> {
 }
 
 impl<'a> RayMaker<'a> {
-    pub fn new(scene: &'a Scene, args: &'a RenderArgs, sizes: &SetSizes) -> Self {
+    pub fn new(scene: &'a Scene, args: &'a Options, sizes: &SetSizes) -> Self {
         let finer = if args.filter { 3 } else { 1 };
         let sizes = match *sizes {
             SetSizes::One(samples) | SetSizes::Singles(samples) => vec![samples],

@@ -1,7 +1,7 @@
 //! Where shadow and mirror rays start, and the tolerances behind it.
 //!
 //! In: where a ray has met a surface. Out: a [`Departure`], from which rays leave that surface. The starter's rays
-//! leave 0.01 along their own direction, and the course's pictures depend on it; [`Epsilon::Auto`] takes the smallest
+//! leave 0.01 along their own direction, and the course's pictures depend on it; [`Epsilon::Auto`](crate::options::Epsilon::Auto) takes the smallest
 //! distance that rounding allows, which holds at every scale. `docs/numerics.md` has the derivations at length.
 //!
 //! Tolerances that belong to one object stand beside it, in units of [`ROUNDING`]: boxes in `objects/aabb.rs`,
@@ -12,10 +12,6 @@ use crate::material::mirrored;
 use crate::objects::{Ray, SurfacePoint};
 use vecmath::{Real, Vector3};
 
-/// Shadow and mirror rays start this far from the surface: in world units, times the length of their direction. The
-/// course's pictures depend on it.
-pub const STARTER_EPSILON: f64 = 0.01;
-
 /// The largest relative error of one rounding: u of Higham, Accuracy and Stability of Numerical Algorithms, 2002, 2.1.
 pub const ROUNDING: Real = Real::EPSILON / 2.0;
 
@@ -25,21 +21,6 @@ pub const ROUNDING: Real = Real::EPSILON / 2.0;
 /// light's and the origin's coordinates each); the object adds at most as much as a surface's own bound, some 20
 /// roundings of the coordinates. 64 of either cover that with room to spare.
 const LIGHT_GAP: Real = 64.0 * ROUNDING;
-
-/// What keeps shadow and mirror rays from meeting the surface that they leave.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Epsilon {
-    /// A distance along the ray, in world units: [`STARTER_EPSILON`] for the course's pictures.
-    Along(f64),
-    /// The rounding error of the hit at hand, along the surface's normal.
-    Auto,
-}
-
-impl Default for Epsilon {
-    fn default() -> Self {
-        Self::Along(STARTER_EPSILON)
-    }
-}
 
 /// A point of a surface, ready for rays to start just off it.
 #[derive(Clone, Copy, Debug)]

@@ -4,43 +4,8 @@
 //! Each sampler gives any number of samples, every one uniform in the pixel when taken by itself, so that the mean is
 //! right for any number of them. They differ in how evenly the samples of a pixel are spread together.
 
+use crate::options::SamplerKind;
 use vecmath::Real;
-
-/// How the samples of a pixel are spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum SamplerKind {
-    /// Each sample lies where it likes.
-    Independent,
-    /// One sample in each of as many cells of equal area, as nearly square as their number allows: the course's
-    /// "uniform sampling + random jitter".
-    #[default]
-    Stratified,
-    /// Sobol's sequence with Owen's scrambling, by the crate `sobol_burley` (Burley, Practical Hash-based Owen
-    /// Scrambling, JCGT 9(4), 2020). More samples can follow at any time.
-    Sobol,
-}
-
-impl SamplerKind {
-    pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
-
-    /// As the command line calls it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Independent => "independent",
-            Self::Stratified => "stratified",
-            Self::Sobol => "sobol",
-        }
-    }
-
-    /// By which power of their number the squared error of samples of an edge falls: what to expect, not a promise.
-    /// A curved edge through n cells meets about the root of n of them, which for one sample a cell makes 3/2.
-    pub fn expected_decay(self) -> f64 {
-        match self {
-            Self::Independent => 1.0,
-            Self::Stratified | Self::Sobol => 1.5,
-        }
-    }
-}
 
 /// How sets of a certain number of samples are made.
 #[derive(Clone, Copy, Debug)]

@@ -3,10 +3,10 @@
 use super::estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
-use crate::args::RenderArgs;
 use crate::camera::{PixelGrid, Places};
-use crate::film::{Film, Pixel, average, filtered};
+use crate::film::{ExtraPlanes, Film, Pixel, average, filtered};
 use crate::objects::run::{RUN, Rays};
+use crate::options::Options;
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;
@@ -36,11 +36,11 @@ pub struct Frame {
 }
 
 /// Renders what `plan` asks for. Every pixel is a function of its place alone, so that threads change nothing.
-pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Progress) -> Frame {
+pub fn render(scene: &Scene, plan: &Plan, args: &Options, progress: &dyn Progress) -> Frame {
     let tiles = Tile::all(args.width, args.height);
     decode_faces_ahead(scene, plan, args);
     let shared =
-        Mutex::new((Film::new(args.width, args.height, plan, args.extra_planes()), RayCounts::default(), 0));
+        Mutex::new((Film::new(args.width, args.height, plan, extra_planes(args)), RayCounts::default(), 0));
     let filter_nanoseconds = AtomicU64::new(0);
     let errors: Vec<ErrorSums> = tiles
         .par_iter()
@@ -70,8 +70,13 @@ pub fn render(scene: &Scene, plan: &Plan, args: &RenderArgs, progress: &dyn Prog
     Frame { film, counts, errors: ErrorSums::total(&errors), filter }
 }
 
+/// The planes that are kept on demand.
+pub fn extra_planes(options: &Options) -> ExtraPlanes {
+    ExtraPlanes { linear: options.keeps_linear(), error_map: options.measure.error_map.is_some() }
+}
+
 /// Decodes the cube map faces that a few rays reach, before threads wait for one another at the first ray to reach each.
-pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &RenderArgs) {
+pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, args: &Options) {
     /// Pixels along each side that are tried, and the least picture that is worth it.
     const TRIED: u32 = 32;
     let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };
@@ -116,7 +121,7 @@ impl Tile {
 struct Sampler<'a> {
     tracer: Tracer<'a>,
     maker: RayMaker<'a>,
-    args: &'a RenderArgs,
+    args: &'a Options,
     sizes: SetSizes,
     errors: ErrorSums,
     /// Empty unless there is to be a picture of them.
@@ -132,7 +137,7 @@ struct Sampler<'a> {
 pub const RAYS_AT_ONCE: usize = RUNS_AT_ONCE * RUN;
 
 impl<'a> Sampler<'a> {
-    fn new(scene: &'a Scene, plan: &'a Plan, args: &'a RenderArgs) -> Self {
+    fn new(scene: &'a Scene, plan: &'a Plan, args: &'a Options) -> Self {
         let sizes = SetSizes::new(args);
         Self {
             tracer: Tracer::new(scene, plan),

@@ -3,11 +3,12 @@
 //! Rays go in runs of 64. Everything that is computed for each of them is computed for the run, several rays an
 //! instruction; the formulas are those of [`light`](crate::light) and [`material`](crate::material).
 
-use super::robust::{Departure, Epsilon};
+use super::robust::Departure;
 use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
 use crate::light::Light;
 use crate::objects::HitRun;
 use crate::objects::run::{Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
+use crate::options::Epsilon;
 use crate::plan::Plan;
 use crate::report::RayCounts;
 use crate::scene::Scene;

@@ -5,8 +5,8 @@
 
 use crate::error::{SourceText, Span};
 use crate::objects::{Aabb, Object, Shape};
+use crate::options::Epsilon;
 use crate::plan::Plan;
-use crate::render::robust::Epsilon;
 use vecmath::{Matrix4, Real, Vector3};
 
 /// The first object of each kind, and how many there are.

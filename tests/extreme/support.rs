@@ -63,7 +63,7 @@ pub struct Studio {
     pub scene: Scene,
     pub plan: Plan,
     pub warnings: Vec<String>,
-    request: args::RenderArgs,
+    request: a2::options::Options,
 }
 
 pub fn vector(v: [f64; 3]) -> Vector3 {
@@ -176,7 +176,7 @@ impl Studio {
     }
 }
 
-fn request(line: &str) -> args::RenderArgs {
+fn request(line: &str) -> a2::options::Options {
     match args::parse(line.split_whitespace().map(std::ffi::OsString::from)) {
         Ok(Request::Render(request)) => *request,
         other => panic!("{line}: {other:?}"),

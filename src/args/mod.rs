@@ -1,0 +1,166 @@
+//! The command line: what was typed in, what is meant out.
+//!
+//! The flags are the course's single-dash long flags (`-input`); the double-dash spelling works too. `clap` splits the
+//! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
+
+mod measuring;
+mod typed;
+
+use crate::accel::simd::Level;
+use crate::error::Error;
+use crate::options::{
+    CompareOptions, DepthPicture, Epsilon, MAX_BOUNCES, MAX_PIXELS, MAX_SIDE, MAX_THREADS, Options, has_extension,
+};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use typed::{
+    FLAGS, Typed, command, explained, must_be_a_picture, must_be_png, usage, usage_error, with_two_dashes,
+};
+
+/// What the program is asked to do.
+#[derive(Debug)]
+pub enum Request {
+    /// Print this text and end well.
+    Print(String),
+    /// No arguments: print this text and end with exit code 1, as the starter does.
+    PrintUsage(String),
+    Render(Box<Options>),
+    Compare(CompareOptions),
+}
+
+/// Understands a command line, program name not included.
+///
+/// # Errors
+/// [`Error::Usage`] for a command line that makes no sense.
+pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
+    let argv: Vec<OsString> = argv.into_iter().map(with_two_dashes).collect();
+    if argv.is_empty() {
+        return Ok(Request::PrintUsage(usage()));
+    }
+    let matches = command().try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
+    let typed = Typed(&matches);
+    if typed.has("help") {
+        return Ok(Request::Print(usage()));
+    }
+    if typed.has("version") {
+        return Ok(Request::Print(format!("a2 {}\n", env!("CARGO_PKG_VERSION"))));
+    }
+    if typed.has("compare") {
+        return compare_options(&typed).map(Request::Compare);
+    }
+    for only_with_compare in ["diff", "tolerance"] {
+        if typed.has(only_with_compare) {
+            return Err(usage_error(only_with_compare, "goes with -compare only"));
+        }
+    }
+    options(&typed).map(|options| Request::Render(Box::new(options)))
+}
+
+fn options(typed: &Typed) -> Result<Options, Error> {
+    let input = typed.path("input").ok_or_else(|| Error::Usage("-input is missing: which scene?".into()))?;
+    if !has_extension(&input, "txt") {
+        let message = format!("expected a file name that ends in .txt, found '{}'", input.display());
+        return Err(usage_error("input", message));
+    }
+    let side = |index| {
+        let expected = format!("two whole numbers from 1 to {MAX_SIDE}");
+        typed.number("size", index, &expected, |n: &u32| (1..=MAX_SIDE).contains(n))
+    };
+    let bounces = format!("a whole number from 0 to {MAX_BOUNCES}");
+    let threads = format!("a whole number from 1 to {MAX_THREADS}");
+    let options = Options {
+        input,
+        color: typed.path("output").map(must_be_a_picture).transpose()?,
+        depth: depth_picture(typed)?,
+        normals: typed.png_path("normals")?,
+        width: side(0)?.unwrap_or(100),
+        height: side(1)?.unwrap_or(100),
+        bounces: typed.number("bounces", 0, &bounces, |n| *n <= MAX_BOUNCES)?.unwrap_or(0),
+        shadows: typed.has("shadows"),
+        jitter: measuring::jitter(typed),
+        filter: typed.has("filter"),
+        epsilon: epsilon(typed)?,
+        robust: typed.has("robust"),
+        plain: typed.has("plain"),
+        threads: typed.number("threads", 0, &threads, |n| (1..=MAX_THREADS).contains(n))?,
+        seed: typed.number("seed", 0, "a whole number from 0 to 2^64 - 1", |_| true)?.unwrap_or(0),
+        quiet: typed.has("quiet"),
+        simd: simd_level(typed)?,
+        explain: typed.has("explain"),
+        measure: measuring::options(typed)?,
+    };
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    if pixels > MAX_PIXELS {
+        return Err(usage_error("size", format!("expected at most {MAX_PIXELS} pixels in all, found {pixels}")));
+    }
+    if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
+        return Err(usage_error(flag, "is about colours: give -output too"));
+    }
+    let pictures =
+        [options.color.as_ref(), options.depth.as_ref().map(|depth| &depth.path), options.normals.as_ref()];
+    let pictures: Vec<_> = pictures.into_iter().flatten().collect();
+    if pictures.is_empty() {
+        let message = "no picture is asked for: give -output, -depth or -normals";
+        return Err(Error::Usage(message.into()));
+    }
+    let files: Vec<_> =
+        pictures.into_iter().chain(measuring::outputs(&options.measure).into_iter().flatten()).collect();
+    if (1..files.len()).any(|i| files[..i].contains(&files[i])) {
+        return Err(Error::Usage("two files have the same name".into()));
+    }
+    Ok(options)
+}
+
+fn simd_level(typed: &Typed) -> Result<Level, Error> {
+    let Some(name) = typed.values("simd").first().copied() else {
+        return Ok(Level::detected());
+    };
+    let name = name.to_string_lossy();
+    if !Level::NAMES.contains(&&*name) {
+        return Err(usage_error("simd", format!("expected {}, found '{name}'", Level::NAMES.join(" or "))));
+    }
+    Level::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
+}
+
+fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {
+    let expected = "two finite numbers and a file name";
+    let (min, max) = (
+        typed.number("depth", 0, expected, |n: &f64| n.is_finite())?,
+        typed.number("depth", 1, expected, |n: &f64| n.is_finite())?,
+    );
+    let (Some(min), Some(max), Some(path)) = (min, max, typed.values("depth").get(2).map(PathBuf::from)) else {
+        return Ok(None);
+    };
+    let path = must_be_png("depth", path)?;
+    Ok(Some(DepthPicture { min, max, path }))
+}
+
+/// `-epsilon E|auto`; `-robust` means `auto` unless a number is given.
+fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
+    if typed.values("epsilon").first().is_some_and(|value| *value == "auto") {
+        return Ok(Epsilon::Auto);
+    }
+    let number =
+        typed.number("epsilon", 0, "'auto' or a distance from 0 to 1e30", |e| (0.0..=1e30).contains(e))?;
+    let unless_given = if typed.has("robust") { Epsilon::Auto } else { Epsilon::default() };
+    Ok(number.map_or(unless_given, Epsilon::Along))
+}
+
+fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
+    const ALLOWED: [&str; 4] = ["compare", "diff", "tolerance", "quiet"];
+    if let Some((other, ..)) = FLAGS.iter().find(|flag| typed.has(flag.0) && !ALLOWED.contains(&flag.0)) {
+        return Err(usage_error(other, "does not go with -compare"));
+    }
+    let pictures = typed.values("compare");
+    let (levels, percent) = ("a whole number of levels from 0 to 255", "a percentage from 0 to 100");
+    Ok(CompareOptions {
+        a: PathBuf::from(pictures[0]),
+        b: PathBuf::from(pictures[1]),
+        diff: typed.png_path("diff")?,
+        levels: typed.number("tolerance", 0, levels, |_| true)?.unwrap_or(1),
+        percent: typed.number("tolerance", 1, percent, |n| (0.0..=100.0).contains(n))?.unwrap_or(0.01),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+//! Command lines and what they mean.
+
+use super::*;
+use crate::options::SamplerKind;
+
+fn parsed(line: &str) -> Result<Request, Error> {
+    parse(line.split_whitespace().map(OsString::from))
+}
+
+fn render(line: &str) -> Options {
+    match parsed(line) {
+        Ok(Request::Render(options)) => *options,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+fn refusal(line: &str) -> String {
+    match parsed(line) {
+        Err(Error::Usage(message)) => message,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+#[test]
+fn one_dash_and_two_mean_the_same_in_any_order() {
+    for line in [
+        "-input s.txt -output o.png -size 30 20 -bounces 4 -shadows",
+        "--shadows --bounces 4 --size 30 20 --output o.png --input s.txt",
+    ] {
+        let options = render(line);
+        assert_eq!((options.width, options.height, options.bounces, options.shadows), (30, 20, 4, true));
+        assert!(!options.jitter && !options.filter && options.depth.is_none());
+    }
+}
+
+#[test]
+fn the_last_one_of_a_repeated_flag_counts() {
+    let options = render("-input s.txt -input t.txt -output o.png -size 1 2 -size 3 4 -jitter -jitter");
+    assert_eq!((options.input, options.width, options.height), (PathBuf::from("t.txt"), 3, 4));
+}
+
+#[test]
+fn depth_may_be_negative_and_inverted() {
+    let options = render("-input s.txt -depth 1 -1.5e3 d.png");
+    assert_eq!(options.depth.unwrap(), DepthPicture { min: 1.0, max: -1500.0, path: "d.png".into() });
+}
+
+#[test]
+fn robust_rays_start_just_off_the_surface_unless_a_distance_is_given() {
+    let epsilon = |flags: &str| render(&format!("-input s.txt -output o.png {flags}")).epsilon;
+    assert_eq!(epsilon(""), Epsilon::Along(0.01));
+    assert_eq!(epsilon("-robust"), Epsilon::Auto);
+    assert_eq!(epsilon("-epsilon auto"), Epsilon::Auto);
+    assert_eq!(epsilon("-epsilon 1e-4 -robust"), Epsilon::Along(1e-4));
+    assert!(render("-input s.txt -output o.png -robust").robust);
+}
+
+#[test]
+fn nonsense_names_flag_value_and_expectation() {
+    for (line, parts) in [
+        ("-input s.txt", &["-output", "-depth"] as &[_]),
+        ("-output o.png", &["-input"]),
+        ("-input s.txt -output o.jpg", &["-output", ".png", "o.jpg"]),
+        ("-input s.obj -output o.png", &["-input", ".txt", "s.obj"]),
+        ("-input s.txt -output o.png -size 0 5", &["-size", "'0'", "from 1 to 65536"]),
+        ("-input s.txt -output o.png -size 65536 65536", &["-size", "at most 268435456 pixels"]),
+        ("-input s.txt -output o.png -size 5", &["-size", "W H"]),
+        ("-input s.txt -output o.png -size 5 -shadows", &["-size", "W H"]),
+        ("-input s.txt -output o.png -bounces -1", &["-bounces", "'-1'"]),
+        ("-input s.txt -output o.png -bounces 2.5", &["-bounces", "'2.5'"]),
+        ("-input s.txt -output o.png -bouncse 2", &["-bouncse", "did you mean -bounces"]),
+        ("-input s.txt -output o.png stray", &["'stray'"]),
+        ("-input s.txt -depth nan 1 d.png", &["-depth", "'nan'"]),
+        ("-input s.txt -output o.png -depth 0 1 o.png", &["same name"]),
+        ("-input s.txt -output o.png -threads 0", &["-threads", "'0'"]),
+        ("-input s.txt -output o.png -epsilon -1", &["-epsilon", "'-1'", "auto"]),
+        ("-input s.txt -output o.png -epsilon nan", &["-epsilon", "'nan'"]),
+        ("-input s.txt -output o.png -simd mmx", &["-simd", "scalar or avx2", "'mmx'"]),
+        ("-input s.txt -output o.png -seed -3", &["-seed", "'-3'"]),
+        ("-input s.txt -output o.png -diff d.png", &["-diff", "-compare"]),
+        ("-input s.txt -output o.png -samples 0", &["-samples", "'0'", "from 1 to 65536"]),
+        (
+            "-input s.txt -output o.png -sampler halton",
+            &["-sampler", "independent, stratified, sobol", "'halton'"],
+        ),
+        ("-input s.txt -output o.png -target-error 0", &["-target-error", "above 0", "'0'"]),
+        ("-input s.txt -output o.png -time-limit nan", &["-time-limit", "above 0", "'nan'"]),
+        ("-input s.txt -output o.png -report r.txt", &["-report", ".json", "r.txt"]),
+        ("-input s.txt -output o.png -reference r.jpg", &["-reference", ".png, .pfm, .exr", "r.jpg"]),
+        ("-input s.txt -normals o.png -target-error 1", &["-target-error", "-output"]),
+        ("-input s.txt -output o.png -error-map o.png", &["same name"]),
+        ("-input s.txt -output o.png -convergence c.csv -time-limit 1", &["-convergence", "-time-limit"]),
+        ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),
+        ("-compare a.png", &["-compare", "A B"]),
+        ("-compare a.png b.png -tolerance 300 1", &["-tolerance", "'300'"]),
+    ] {
+        let message = refusal(line);
+        for part in parts {
+            assert!(message.contains(part), "{line}: '{part}' is not in: {message}");
+        }
+    }
+}
+
+#[test]
+fn flags_about_random_samples_imply_jitter() {
+    for flags in ["-samples 4", "-sampler sobol", "-target-error 1", "-time-limit 2", "-error-map e.png"] {
+        assert!(render(&format!("-input s.txt -output o.png {flags}")).jitter, "{flags}");
+    }
+    for flags in ["-stats", "-report r.json", "-reference r.pfm", "-seed 3"] {
+        assert!(!render(&format!("-input s.txt -output o.png {flags}")).jitter, "{flags}");
+    }
+    let sampler = |flags: &str| render(&format!("-input s.txt -output o.png {flags}")).measure.sampler;
+    assert_eq!(sampler("-jitter"), SamplerKind::Stratified);
+    assert_eq!(sampler("-target-error 1"), SamplerKind::Sobol);
+}
+
+#[test]
+fn help_names_every_flag() {
+    let Ok(Request::Print(help)) = parsed("-help") else { panic!() };
+    for (name, ..) in FLAGS {
+        assert!(help.contains(&format!("-{name} ")), "{name}");
+    }
+}
