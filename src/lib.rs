@@ -33,6 +33,7 @@ pub mod reference;
 pub mod render;
 pub mod report;
 pub mod scene;
+pub mod scene_file;
 pub mod timing;
 
 use args::Request;
@@ -46,7 +47,7 @@ use reference::{Reference, TrueError};
 use render::Frame;
 use render::estimate::ErrorEstimate;
 use report::{Phases, RayCounts, Report, Sampling};
-use scene::compile::{Compiled, compile};
+use scene::{Compiled, compile};
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
@@ -121,7 +122,7 @@ pub fn render_scene(args: &Options) -> Result<Rendered, Error> {
     let reference = args.measure.reference.as_ref().map(|path| Reference::read(path, args.width, args.height));
     let reference = reference.transpose()?;
     let watch = Stopwatch::start();
-    let description = scene::parser::parse_file(&args.input)?;
+    let description = scene_file::parse_file(&args.input)?;
     let plan = Plan::new(args, &description);
     phases.parse = watch.times();
     if args.explain {

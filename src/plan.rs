@@ -5,7 +5,7 @@
 use crate::accel::simd::Level;
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
-use crate::scene::description::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
+use crate::scene_file::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vecmath::{Real, Vector3};
@@ -161,7 +161,7 @@ fn materials_in_use(description: &Description) -> Vec<&MaterialBlock> {
     indices.into_iter().map(|index| &description.materials[index as usize]).collect()
 }
 
-fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene::description::Leaf)) {
+fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene_file::Leaf)) {
     match node {
         Node::Group(members) => members.iter().for_each(|member| visit_leaves(member, visit)),
         Node::Transform { child, .. } => visit_leaves(child, visit),

@@ -88,11 +88,11 @@ fn a_face_that_no_ray_reaches_may_be_broken_inside() {
 
 #[test]
 fn a_mesh_that_is_used_twice_is_stored_once() {
-    let source = a2::scene::parser::parse_file(&project("data/scene04_axes.txt")).unwrap();
+    let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap();
     let argv = ["-input", "x.txt", "-output", "o.png"].map(OsString::from);
     let Ok(Request::Render(args)) = parse(argv) else { panic!() };
     let plan = a2::plan::Plan::new(&args, &source);
-    let scene = a2::scene::compile::compile(&source, &plan).unwrap().scene;
+    let scene = a2::scene::compile(&source, &plan).unwrap().scene;
     assert_eq!((scene.objects.len(), scene.meshes.len()), (4, 1));
 }
 

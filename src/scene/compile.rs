@@ -2,7 +2,6 @@
 //!
 //! Every mistake that needs arithmetic or another file to be seen is reported here, at its place in the scene file.
 
-use super::description::{At, Description, Leaf, LightBlock, Node, ShapeBlock, TransformStep};
 use super::hints::Hints;
 use super::{Background, Scene, mesh_file};
 use crate::accel::Accelerator;
@@ -12,6 +11,7 @@ use crate::error::{Error, SourceText};
 use crate::light::Light;
 use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
 use crate::plan::{Plan, to_material};
+use crate::scene_file::{At, Description, Leaf, LightBlock, Node, ShapeBlock, TransformStep};
 use crate::timing::{Stopwatch, Times};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -1,19 +1,14 @@
-//! From the text of a scene file to what rays meet.
+//! [`Scene`]: what rays meet. Flat, immutable, shared by all threads.
 //!
-//! [`parse`](parser::parse) turns text into a [`Description`](description::Description): what the file says, every
-//! node with its place in the file, and nothing opened but the text itself. [`compile`](compile::compile) turns that
-//! into a [`Scene`]: flat, immutable, shared by all threads.
+//! [`compile`] makes one of a [`Description`](crate::scene_file::Description) and a [`Plan`](crate::plan::Plan): it
+//! loads meshes and multiplies transformations out.
 
-mod blocks;
-pub mod compile;
-pub mod description;
-mod fields;
+mod compile;
 mod hints;
-mod lexer;
 mod mesh_file;
-pub mod parser;
 mod plain_obj;
 
+pub use compile::{Compiled, compile};
 pub use mesh_file::parse_mesh;
 
 use crate::accel::Accelerator;

@@ -1,14 +1,14 @@
 //! Numbers that only a test would write: each has its documented answer.
 
 use super::support::{Studio, check_that, objects};
-use a2::scene::description::{Node, ShapeBlock};
+use a2::scene_file::{Node, ShapeBlock};
 
 fn radius(text: &str) -> Result<f64, String> {
     let source = a2::error::SourceText {
         path: "s.txt".into(),
         text: objects(&format!("Sphere {{ center 0 0 0 radius {text} }}")),
     };
-    let description = a2::scene::parser::parse(source).map_err(|error| error.to_string())?;
+    let description = a2::scene_file::parse(source).map_err(|error| error.to_string())?;
     let Node::Group(members) = description.root else { panic!() };
     match &members[0] {
         Node::Leaf(leaf) => match &leaf.shape {

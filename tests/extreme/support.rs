@@ -7,8 +7,8 @@ use a2::film::Film;
 use a2::objects::{Ray, SurfacePoint};
 use a2::plan::Plan;
 use a2::render::trace::{Seen, Tracer};
-use a2::scene::compile::{Compiled, compile};
-use a2::scene::{Scene, parser};
+use a2::scene::{Compiled, Scene, compile};
+use a2::scene_file;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -119,7 +119,7 @@ impl Studio {
         };
         let request = request(&format!("-input s.txt -output c.png -normals n.png -depth 0 1 d.png {flags}"));
         let source = a2::error::SourceText { path, text: text.to_owned() };
-        let description = parser::parse(source).map_err(|error| error.to_string())?;
+        let description = scene_file::parse(source).map_err(|error| error.to_string())?;
         let plan = Plan::new(&request, &description);
         let Compiled { scene, warnings, .. } = compile(&description, &plan).map_err(|error| error.to_string())?;
         Ok(Self { scene, plan, warnings, request })

@@ -3,7 +3,7 @@
 //!
 //! Slow, and with f64 only as good as textbook formulas are; pictures are compared with it as with the course's own.
 
-use a2::scene::description::{Description, LightBlock, MaterialBlock, Node, ShapeBlock, TransformStep};
+use a2::scene_file::{Description, LightBlock, MaterialBlock, Node, ShapeBlock, TransformStep};
 use image::{Rgb, RgbImage};
 use std::collections::HashMap;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub struct Reference<'a> {
 
 /// The colour picture of a scene without a cube map.
 pub fn render(scene: &Path, flags: Flags) -> RgbImage {
-    let description = a2::scene::parser::parse_file(scene).unwrap();
+    let description = a2::scene_file::parse_file(scene).unwrap();
     assert!(description.background.cube_map.is_none(), "the reference has no cube maps");
     let mut reference = Reference { description: &description, meshes: HashMap::new() };
     reference.load_meshes(&description.root, scene.parent().unwrap());
