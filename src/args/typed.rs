@@ -79,6 +79,7 @@ pub(super) fn with_two_dashes(typed: OsString) -> OsString {
     }
 }
 
+/// The command line as clap splits it. Of a flag given twice the last one counts.
 pub(super) fn command() -> clap::Command {
     let flag = |&(name, values, _): &Flag| {
         let arg = Arg::new(name).long(name);
@@ -88,16 +89,15 @@ pub(super) fn command() -> clap::Command {
         } else {
             arg.action(ArgAction::Set)
                 .num_args(values.len())
-                .value_names(values)
                 .value_parser(clap::value_parser!(OsString))
                 .allow_negative_numbers(true)
-                .overrides_with(name)
         }
     };
     clap::Command::new("a2")
         .no_binary_name(true)
         .disable_help_flag(true)
         .disable_version_flag(true)
+        .args_override_self(true)
         .args(FLAGS.iter().map(flag))
 }
 
