@@ -36,6 +36,26 @@ impl Light {
             Self::Point { position, color, falloff } => from_point(position, color, falloff, point),
         }
     }
+
+    /// The colour, before it fades.
+    pub fn color(&self) -> Vector3 {
+        match *self {
+            Self::Directional { color, .. } | Self::Point { color, .. } => color,
+        }
+    }
+
+    /// Whether the light is infinite everywhere: a point light that does not fade.
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Point { falloff: 0.0, .. })
+    }
+
+    /// The most light that can fall on a point, in any component; `None` if there is no bound, as near a point light.
+    pub fn max_radiance(&self) -> Option<Real> {
+        match self {
+            Self::Directional { color, .. } => Some(color.max_abs()),
+            Self::Point { .. } => None,
+        }
+    }
 }
 
 #[inline(always)]

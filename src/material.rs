@@ -34,6 +34,11 @@ impl Material {
     pub fn reflect(&self, intensity: Vector3, cosine: Real, highlight: Real) -> Vector3 {
         intensity.scaled_by(self.diffuse) * cosine.max(0.0) + intensity.scaled_by(self.specular) * highlight
     }
+
+    /// Whether the surface reflects anything of light of this colour.
+    pub fn answers(&self, color: Vector3) -> bool {
+        color.scaled_by(self.diffuse) != Vector3::ZERO || color.scaled_by(self.specular) != Vector3::ZERO
+    }
 }
 
 /// The direction of a ray after a mirror: R = D - 2 (D.N) N. As long as D only if N is a unit vector.

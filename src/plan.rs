@@ -5,10 +5,10 @@
 use crate::accel::simd::Level;
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
-use crate::scene_file::{Description, LightBlock, MaterialBlock, Node, ShapeBlock};
+use crate::scene_file::{Description, Leaf, LeafShape, Node};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use vecmath::{Real, Vector3};
+use vecmath::Real;
 
 /// What is to be done. Everything not named here is left out.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,18 +70,11 @@ impl Plan {
     }
 
     /// A light without colour, or whose colour no material in use answers, adds exactly nothing.
-    fn decide_lights(&mut self, description: &Description, materials: &[&MaterialBlock]) {
+    fn decide_lights(&mut self, description: &Description, materials: &[&Material]) {
         for (index, light) in description.lights.iter().enumerate() {
-            let (color, infinite) = match light {
-                LightBlock::Directional { color, .. } => (*color, false),
-                // Infinite light times zero is not nothing but NaN, which the starter shows as black.
-                LightBlock::Point { color, falloff, .. } => (*color, *falloff == 0.0),
-            };
-            let answered = materials.iter().any(|material| {
-                color.scaled_by(material.diffuse) != Vector3::ZERO
-                    || color.scaled_by(material.specular) != Vector3::ZERO
-            });
-            if answered || infinite {
+            let light = &light.value;
+            // Infinite light times zero is not nothing but NaN, which the starter shows as black.
+            if light.is_infinite() || materials.iter().any(|material| material.answers(light.color())) {
                 self.lights.push(index);
             } else {
                 self.left_out.push(format!("light {}: no material in use answers its colour", index + 1));
@@ -89,8 +82,8 @@ impl Plan {
         }
     }
 
-    fn decide_rays(&mut self, args: &Options, description: &Description, materials: &[&MaterialBlock]) {
-        let has_mirror = materials.iter().any(|block| to_material(block).is_mirror());
+    fn decide_rays(&mut self, args: &Options, description: &Description, materials: &[&Material]) {
+        let has_mirror = materials.iter().any(|material| material.is_mirror());
         self.shadows = args.shadows && !self.lights.is_empty();
         self.bounces = if has_mirror { args.bounces } else { 0 };
         self.cube_map = description.background.cube_map.is_some();
@@ -148,12 +141,7 @@ impl Plan {
     }
 }
 
-/// The material a block of the scene file stands for.
-pub fn to_material(block: &MaterialBlock) -> Material {
-    Material { diffuse: block.diffuse, specular: block.specular, shininess: block.shininess as Real }
-}
-
-fn materials_in_use(description: &Description) -> Vec<&MaterialBlock> {
+fn materials_in_use(description: &Description) -> Vec<&Material> {
     let mut indices = BTreeSet::new();
     visit_leaves(&description.root, &mut |leaf| {
         indices.insert(leaf.material);
@@ -161,7 +149,7 @@ fn materials_in_use(description: &Description) -> Vec<&MaterialBlock> {
     indices.into_iter().map(|index| &description.materials[index as usize]).collect()
 }
 
-fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene_file::Leaf)) {
+fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a Leaf)) {
     match node {
         Node::Group(members) => members.iter().for_each(|member| visit_leaves(member, visit)),
         Node::Transform { child, .. } => visit_leaves(child, visit),
@@ -176,26 +164,22 @@ fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a crate::scene_file
 fn radiance_bound(
     description: &Description,
     lights: &[usize],
-    materials: &[&MaterialBlock],
+    materials: &[&Material],
     robust: bool,
 ) -> Option<Real> {
     let mut unit_normals = true;
     visit_leaves(&description.root, &mut |leaf| {
-        if robust {
-            // Every normal is made a unit vector.
-        } else if let ShapeBlock::Plane { normal, .. } = &leaf.shape {
-            unit_normals &= (normal.value.length() - 1.0).abs() < 4.0 * Real::EPSILON;
+        // -robust makes every normal a unit vector.
+        if let (LeafShape::Shape(shape), false) = (&leaf.shape, robust) {
+            unit_normals &= shape.has_unit_normal();
         }
     });
-    if !unit_normals || materials.iter().any(|material| material.shininess < 0.0) {
+    if !unit_normals {
         return None;
     }
     let mut light_sum = 0.0;
     for &index in lights {
-        match &description.lights[index] {
-            LightBlock::Directional { color, .. } => light_sum += color.max_abs(),
-            LightBlock::Point { .. } => return None,
-        }
+        light_sum += description.lights[index].value.max_radiance()?;
     }
     let ambient = if description.lights.is_empty() { 1.0 } else { description.background.ambient_light.max_abs() };
     let reflected = materials.iter().fold(0.0, |bound: Real, material| {

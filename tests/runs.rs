@@ -140,7 +140,7 @@ fn normals() {
     let corners = [Vector3::ZERO, Vector3::new(1.0, 0.0, 0.2), Vector3::new(0.0, 1.0, 0.0)];
     let shapes = [
         Shape::Sphere(Sphere { center: Vector3::new(0.1, 0.2, 0.3), radius: 0.5 }),
-        Shape::Plane(Plane::new(Vector3::new(0.0, 2.0, 1.0), 0.3, false)),
+        Shape::Plane(Plane::new(Vector3::new(0.0, 2.0, 1.0), 0.3)),
         Shape::Triangle(Triangle::new(corners)),
         Shape::Mesh(0),
     ];

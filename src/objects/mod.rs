@@ -46,6 +46,35 @@ pub enum Shape {
     Mesh(u32),
 }
 
+impl Shape {
+    /// The bounds in object space; `None` for a shape without end.
+    pub fn bounds(&self, meshes: &[Mesh]) -> Option<Aabb> {
+        match self {
+            Self::Sphere(sphere) => Some(sphere.bounds()),
+            Self::Plane(_) => None,
+            Self::Triangle(triangle) => Some(triangle.bounds()),
+            Self::Mesh(mesh) => Some(*meshes[*mesh as usize].bounds()),
+        }
+    }
+
+    /// Whether every normal that shading sees has length 1, up to rounding.
+    pub fn has_unit_normal(&self) -> bool {
+        match self {
+            Self::Plane(plane) => (plane.shading_normal.length() - 1.0).abs() < 4.0 * Real::EPSILON,
+            _ => true,
+        }
+    }
+
+    /// The same shape, shaded with unit normals.
+    #[must_use]
+    pub fn with_unit_normal(self) -> Self {
+        match self {
+            Self::Plane(plane) => Self::Plane(plane.with_unit_normal()),
+            shape => shape,
+        }
+    }
+}
+
 /// A surface with a place and a material.
 #[derive(Clone, Debug)]
 pub struct Object {

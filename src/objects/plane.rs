@@ -14,20 +14,25 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane that is shaded with its normal as given, as the starter does, or with the unit vector of it.
+    /// A plane that is shaded with its normal as given, as the starter does.
     ///
     /// Normals so long or short that products with them would leave the range of numbers are scaled by a power of
     /// two, and the offset with them: the same plane, to the last bit.
-    pub fn new(normal: Vector3, offset: Real, shade_with_unit_normal: bool) -> Self {
+    pub fn new(normal: Vector3, offset: Real) -> Self {
         const USUAL: std::ops::RangeInclusive<Real> = 1e-30..=1e30;
         let longest = normal.max_abs();
-        let shading_normal = if shade_with_unit_normal { normal.normalized() } else { normal };
         if USUAL.contains(&longest) || longest == 0.0 {
-            return Self { normal, offset, shading_normal };
+            return Self { normal, offset, shading_normal: normal };
         }
         // In two steps, for a power of two may itself be too large.
         let half = (2.0 as Real).powi((longest.log2() / -2.0).round() as i32);
-        Self { normal: normal * half * half, offset: offset * half * half, shading_normal }
+        Self { normal: normal * half * half, offset: offset * half * half, shading_normal: normal }
+    }
+
+    /// The same plane, shaded with the unit vector of its normal.
+    #[must_use]
+    pub fn with_unit_normal(self) -> Self {
+        Self { shading_normal: self.shading_normal.normalized(), ..self }
     }
 
     /// t of the ray's point on the plane, if t > 0. A parallel ray gives an infinite or NaN t: a miss.
@@ -43,7 +48,7 @@ mod tests {
 
     fn hit(normal: [Real; 3], offset: Real, direction: [Real; 3]) -> Option<Real> {
         let origin = Vector3::new(0.0, 3.0, 0.0);
-        Plane::new(normal.into(), offset, false).hit(&Ray { origin, direction: direction.into() })
+        Plane::new(normal.into(), offset).hit(&Ray { origin, direction: direction.into() })
     }
 
     #[test]
@@ -64,7 +69,7 @@ mod tests {
     #[test]
     fn only_shading_asks_for_a_unit_normal() {
         let normal = Vector3::new(0.0, 4.0, 0.0);
-        let (given, unit) = (Plane::new(normal, 8.0, false), Plane::new(normal, 8.0, true));
+        let (given, unit) = (Plane::new(normal, 8.0), Plane::new(normal, 8.0).with_unit_normal());
         assert_eq!((given.shading_normal, unit.shading_normal), (normal, normal / 4.0));
         assert_eq!((unit.normal, unit.offset), (given.normal, given.offset));
     }

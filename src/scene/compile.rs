@@ -9,9 +9,9 @@ use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText};
 use crate::light::Light;
-use crate::objects::{Aabb, Mesh, Object, Placement, Plane, Shape, Sphere, Triangle};
-use crate::plan::{Plan, to_material};
-use crate::scene_file::{At, Description, Leaf, LightBlock, Node, ShapeBlock, TransformStep};
+use crate::objects::{Mesh, Object, Placement, Shape};
+use crate::plan::Plan;
+use crate::scene_file::{At, Description, Leaf, LeafShape, Node, TransformStep};
 use crate::timing::{Stopwatch, Times};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let mut warnings = Vec::new();
     let camera = camera(description)?;
-    let (lights, ambient_light) = lights(description, plan, &mut warnings)?;
+    let (lights, ambient_light) = lights(description, plan, &mut warnings);
     let cube_map = match &description.background.cube_map {
         Some(path) if plan.cube_map => Some(CubeMap::open(&folder.join(&path.value))?),
         _ => None,
@@ -65,7 +65,7 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         lights,
         ambient_light,
         background: Background { color: description.background.color, cube_map },
-        materials: description.materials.iter().map(to_material).collect(),
+        materials: description.materials.clone(),
         accelerator,
         objects,
         meshes,
@@ -89,40 +89,25 @@ fn camera(description: &Description) -> Result<Camera, Error> {
 }
 
 /// The lights of the plan and the ambient light.
-fn lights(
-    description: &Description,
-    plan: &Plan,
-    warnings: &mut Vec<String>,
-) -> Result<(Vec<Light>, Vector3), Error> {
-    let source = &description.source;
+fn lights(description: &Description, plan: &Plan, warnings: &mut Vec<String>) -> (Vec<Light>, Vector3) {
     let mut lights = Vec::new();
-    for (index, block) in description.lights.iter().enumerate() {
-        let light = match block {
-            LightBlock::Directional { direction, color } => {
-                let Some(unit) = direction.value.try_normalized() else {
-                    return Err(source.error(direction.span, "'direction' has no length"));
-                };
-                Light::Directional { to_light: -unit, color: *color }
-            }
-            LightBlock::Point { position, color, falloff, span } => {
-                if *falloff == 0.0 {
-                    warnings.push(format!(
-                        "{}: this PointLight has no falloff, so its light is infinite",
-                        source.location(*span)
-                    ));
-                }
-                Light::Point { position: *position, color: *color, falloff: *falloff as Real }
-            }
-        };
+    for (index, light) in description.lights.iter().enumerate() {
+        if light.value.is_infinite() {
+            warnings.push(format!(
+                "{}: this PointLight has no falloff, so its light is infinite",
+                description.source.location(light.span)
+            ));
+        }
         if plan.lights.contains(&index) {
-            lights.push(light);
+            lights.push(light.value.clone());
         }
     }
     if description.lights.is_empty() {
-        warnings.push(format!("{}: the scene has no lights: ambient light becomes 1 1 1", source.path.display()));
-        return Ok((lights, Vector3::splat(1.0)));
+        let path = description.source.path.display();
+        warnings.push(format!("{path}: the scene has no lights: ambient light becomes 1 1 1"));
+        return (lights, Vector3::splat(1.0));
     }
-    Ok((lights, description.background.ambient_light))
+    (lights, description.background.ambient_light)
 }
 
 /// The tree of objects as a list.
@@ -168,7 +153,8 @@ impl Flattened<'_> {
     }
 
     fn add_leaf(&mut self, leaf: &Leaf, world_from_object: Option<&Matrix4>) -> Result<(), Error> {
-        let (shape, bounds) = self.shape(leaf)?;
+        let shape = self.shape(leaf)?;
+        let bounds = shape.bounds(&self.meshes);
         if bounds.is_some_and(|bounds| bounds.is_empty()) {
             return Ok(());
         }
@@ -188,33 +174,12 @@ impl Flattened<'_> {
         Ok(())
     }
 
-    /// The shape and its bounds in object space.
-    fn shape(&mut self, leaf: &Leaf) -> Result<(Shape, Option<Aabb>), Error> {
-        Ok(match &leaf.shape {
-            ShapeBlock::Sphere { center, radius } => {
-                if radius.value <= 0.0 {
-                    return Err(self.source.error(radius.span, "'radius' must be above 0"));
-                }
-                let sphere = Sphere { center: *center, radius: radius.value as Real };
-                let bounds = sphere.bounds();
-                (Shape::Sphere(sphere), Some(bounds))
-            }
-            ShapeBlock::Plane { normal, offset } => {
-                if normal.value == Vector3::ZERO {
-                    return Err(self.source.error(normal.span, "'normal' has no length"));
-                }
-                (Shape::Plane(Plane::new(normal.value, *offset as Real, self.plan.robust)), None)
-            }
-            ShapeBlock::Triangle { vertices } => {
-                let triangle = Triangle::new(*vertices);
-                let bounds = triangle.bounds();
-                (Shape::Triangle(triangle), Some(bounds))
-            }
-            ShapeBlock::TriangleMesh { obj_file } => {
-                let mesh = self.mesh(obj_file)?;
-                (Shape::Mesh(mesh), Some(*self.meshes[mesh as usize].bounds()))
-            }
-        })
+    fn shape(&mut self, leaf: &Leaf) -> Result<Shape, Error> {
+        match &leaf.shape {
+            LeafShape::Shape(shape) if self.plan.robust => Ok(shape.clone().with_unit_normal()),
+            LeafShape::Shape(shape) => Ok(shape.clone()),
+            LeafShape::Mesh(obj_file) => Ok(Shape::Mesh(self.mesh(obj_file)?)),
+        }
     }
 
     /// The number of a mesh; each file is read once.

@@ -1,8 +1,12 @@
 //! [`Description`]: what the text of a scene file says, and where it says it.
 //!
-//! Plain data. Nothing here has been opened, checked against other files, or multiplied out.
+//! Plain data. Lights, materials and shapes are whole where the text alone decides. No other file has been opened, and no
+//! transformation multiplied out.
 
 use crate::error::{SourceText, Span};
+use crate::light::Light;
+use crate::material::Material;
+use crate::objects::Shape;
 use std::sync::Arc;
 use vecmath::Vector3;
 
@@ -19,9 +23,9 @@ pub struct Description {
     pub source: Arc<SourceText>,
     pub camera: CameraBlock,
     /// Empty where the file has no lights.
-    pub lights: Vec<LightBlock>,
+    pub lights: Vec<At<Light>>,
     pub background: BackgroundBlock,
-    pub materials: Vec<MaterialBlock>,
+    pub materials: Vec<Material>,
     /// The tree of objects.
     pub root: Node,
 }
@@ -35,27 +39,12 @@ pub struct CameraBlock {
     pub angle_degrees: At<f64>,
 }
 
-/// One light of `Lights { numLights ... }`
-#[derive(Clone, Debug)]
-pub enum LightBlock {
-    Directional { direction: At<Vector3>, color: Vector3 },
-    Point { position: Vector3, color: Vector3, falloff: f64, span: Span },
-}
-
 /// `Background { color ambientLight cubeMap }`
 #[derive(Clone, Debug)]
 pub struct BackgroundBlock {
     pub color: Vector3,
     pub ambient_light: Vector3,
     pub cube_map: Option<At<String>>,
-}
-
-/// `Material { diffuseColor specularColor shininess }`
-#[derive(Clone, Debug)]
-pub struct MaterialBlock {
-    pub diffuse: Vector3,
-    pub specular: Vector3,
-    pub shininess: f64,
 }
 
 /// An object, or several.
@@ -71,23 +60,23 @@ pub enum Node {
     Leaf(Leaf),
 }
 
+/// The surface of an object, as far as the text says.
+#[derive(Debug)]
+pub enum LeafShape {
+    /// Whole: the text alone decides.
+    Shape(Shape),
+    /// The OBJ file of a mesh.
+    Mesh(At<String>),
+}
+
 /// An object with a surface.
 #[derive(Debug)]
 pub struct Leaf {
-    pub shape: ShapeBlock,
+    pub shape: LeafShape,
     /// Place of the object's name.
     pub span: Span,
     /// The `MaterialIndex` in force where the object stands.
     pub material: u32,
-}
-
-/// The fields of an object.
-#[derive(Debug)]
-pub enum ShapeBlock {
-    Sphere { center: Vector3, radius: At<f64> },
-    Plane { normal: At<Vector3>, offset: f64 },
-    Triangle { vertices: [Vector3; 3] },
-    TriangleMesh { obj_file: At<String> },
 }
 
 impl Default for BackgroundBlock {

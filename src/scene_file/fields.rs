@@ -1,5 +1,6 @@
 //! The grammar that all blocks share: `Name { key value ... }`, keys in any order, each at most once.
 
+use super::description::At;
 use super::lexer::{Lexer, Token};
 use crate::error::{Error, SourceText, Span, probably_meant};
 use std::sync::Arc;
@@ -118,6 +119,12 @@ impl<'a> Fields<'a> {
         Ok(Vector3::new(component()?, component()?, component()?))
     }
 
+    /// The name of a file or folder.
+    pub fn path(&mut self, key: &str, expected: &str) -> Result<At<String>, Error> {
+        let token = self.word(key, expected)?;
+        Ok(At { value: token.text.to_owned(), span: token.span })
+    }
+
     /// A whole number from 0 to 2^31 - 1.
     pub fn count(&mut self, key: &str) -> Result<u32, Error> {
         let token = self.word(key, "a whole number")?;
@@ -205,4 +212,28 @@ impl<'a> Fields<'a> {
 
 fn listed<'k>(words: impl Iterator<Item = &'k str>) -> String {
     words.collect::<Vec<_>>().join(", ")
+}
+
+/// What `numLights` and its like say, against what is there.
+#[derive(Default)]
+pub(super) struct Count {
+    said: u32,
+    span: Span,
+}
+
+impl Count {
+    pub fn read(&mut self, fields: &mut Fields, key: &str, span: Span) -> Result<(), Error> {
+        self.said = fields.count(key)?;
+        self.span = span;
+        Ok(())
+    }
+
+    pub fn check(&self, fields: &Fields, key: &str, found: usize, item: &str) -> Result<(), Error> {
+        if self.said as usize == found {
+            return Ok(());
+        }
+        let plural = if found == 1 { "" } else { "s" };
+        let message = format!("'{key}' says {}, but {found} {item}{plural} stand here", self.said);
+        Err(fields.error(self.span, message.replace("1 object stand ", "1 object stands ")))
+    }
 }

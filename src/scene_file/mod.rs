@@ -6,10 +6,10 @@ mod blocks;
 mod description;
 mod fields;
 mod lexer;
+mod lights;
 mod parser;
+mod shapes;
+mod transforms;
 
-pub use description::{
-    At, BackgroundBlock, CameraBlock, Description, Leaf, LightBlock, MaterialBlock, Node, ShapeBlock,
-    TransformStep,
-};
+pub use description::{At, BackgroundBlock, CameraBlock, Description, Leaf, LeafShape, Node, TransformStep};
 pub use parser::{parse, parse_file};

@@ -4,10 +4,12 @@
 //! Opens no file but the scene itself. Material indices are checked here, once the whole text is known; what needs
 //! arithmetic (a direction of length zero, a singular matrix) is checked by [`compile`](crate::scene::compile).
 
-use super::blocks;
 use super::description::{At, BackgroundBlock, Description, Leaf, Node};
-use super::fields::Fields;
+use super::fields::{Count, Fields};
 use super::lexer::Token;
+use super::shapes::{SHAPE_NAMES, parse_shape};
+use super::transforms::{STEP_NAMES, transform_step};
+use super::{blocks, lights};
 use crate::error::{Error, SourceText};
 use std::path::Path;
 use std::sync::Arc;
@@ -56,9 +58,16 @@ struct Parser<'a> {
     depth: usize,
 }
 
-const OBJECTS: [&str; 6] = ["Sphere", "Plane", "Triangle", "TriangleMesh", "Group", "Transform"];
-const STEPS: [&str; 8] =
-    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
+/// Objects that hold others.
+const CONTAINERS: [&str; 2] = ["Group", "Transform"];
+
+fn object_names() -> impl Iterator<Item = &'static str> + Clone {
+    SHAPE_NAMES.into_iter().chain(CONTAINERS)
+}
+
+fn is_object(word: &str) -> bool {
+    SHAPE_NAMES.contains(&word) || CONTAINERS.contains(&word)
+}
 
 impl<'a> Parser<'a> {
     /// `PerspectiveCamera { } Lights { } Background { } Materials { } Group { }`, in any order, each at most once;
@@ -75,7 +84,7 @@ impl<'a> Parser<'a> {
             self.fields.refuse_repetition(&mut seen, block, name.span)?;
             match block {
                 "PerspectiveCamera" => camera = Some(blocks::camera(&mut self.fields, name)?),
-                "Lights" => lights = blocks::lights(&mut self.fields, name)?,
+                "Lights" => lights = lights::lights(&mut self.fields, name)?,
                 "Background" => background = blocks::background(&mut self.fields, name)?,
                 "Materials" => materials = blocks::materials(&mut self.fields, name)?,
                 _ => root = Some(self.group(name)?),
@@ -114,7 +123,7 @@ impl<'a> Parser<'a> {
     fn group(&mut self, name: Token<'a>) -> Result<Node, Error> {
         let fields = &mut self.fields;
         fields.open_brace(name.text)?;
-        let mut count = blocks::Count::default();
+        let mut count = Count::default();
         let mut seen = Vec::new();
         let mut members = Vec::new();
         loop {
@@ -131,9 +140,9 @@ impl<'a> Parser<'a> {
                     self.material = Some(value);
                     self.material_uses.push(At { value, span: token.span });
                 }
-                text if OBJECTS.contains(&text) => members.push(self.object(token)?),
+                text if is_object(text) => members.push(self.object(token)?),
                 _ => {
-                    let known = ["numObjects", "MaterialIndex"].into_iter().chain(OBJECTS);
+                    let known = ["numObjects", "MaterialIndex"].into_iter().chain(object_names());
                     return Err(self.fields.unknown_word(token, "'Group'", known));
                 }
             }
@@ -145,18 +154,18 @@ impl<'a> Parser<'a> {
         Ok(Node::Group(members))
     }
 
-    /// Any of [`OBJECTS`].
+    /// A shape, a `Group` or a `Transform`.
     fn object(&mut self, name: Token<'a>) -> Result<Node, Error> {
         self.depth += 1;
         if self.depth > MAX_NESTING {
             let message = format!("objects are nested more than {MAX_NESTING} deep");
             return Err(self.fields.error(name.span, message));
         }
-        let node = match name.text {
-            "Group" => self.group(name)?,
-            "Transform" => self.transform(name)?,
-            _ => {
-                let shape = blocks::shape(&mut self.fields, name)?;
+        let node = match parse_shape(&mut self.fields, name) {
+            None if name.text == "Group" => self.group(name)?,
+            None => self.transform(name)?,
+            Some(shape) => {
+                let shape = shape?;
                 let Some(material) = self.material else {
                     let message = format!("no 'MaterialIndex' stands before this '{}'", name.text);
                     return Err(self.fields.error(name.span, message));
@@ -174,16 +183,16 @@ impl<'a> Parser<'a> {
         let mut steps = Vec::new();
         let child = loop {
             let token = self.fields.next(|_| "a transformation or an object".to_owned())?;
-            if OBJECTS.contains(&token.text) {
+            if is_object(token.text) {
                 break Box::new(self.object(token)?);
             }
             if token.text == "}" {
                 return Err(self.fields.error(name.span, "this 'Transform' has no object"));
             }
-            if !STEPS.contains(&token.text) {
+            if !STEP_NAMES.contains(&token.text) {
                 return Err(self.unexpected_in_transform(token));
             }
-            steps.push(At { value: blocks::transform_step(&mut self.fields, token)?, span: token.span });
+            steps.push(At { value: transform_step(&mut self.fields, token)?, span: token.span });
         };
         let token = self.fields.next(|_| "'}' to end 'Transform'".to_owned())?;
         if token.text == "}" {
@@ -200,7 +209,7 @@ impl<'a> Parser<'a> {
             let message = "'MaterialIndex' stands in a 'Group', not in a 'Transform'";
             return self.fields.error(token.span, message);
         }
-        let known = STEPS.into_iter().chain(OBJECTS);
+        let known = STEP_NAMES.into_iter().chain(object_names());
         self.fields.unknown_word(token, "'Transform'", known)
     }
 }

@@ -1,22 +1,19 @@
 //! Numbers that only a test would write: each has its documented answer.
 
 use super::support::{Studio, check_that, objects};
-use a2::scene_file::{Node, ShapeBlock};
+use a2::scene_file::{Node, TransformStep};
 
-fn radius(text: &str) -> Result<f64, String> {
+/// A number as the parser reads it, here the angle of a rotation.
+fn number(text: &str) -> Result<f64, String> {
     let source = a2::error::SourceText {
         path: "s.txt".into(),
-        text: objects(&format!("Sphere {{ center 0 0 0 radius {text} }}")),
+        text: objects(&format!("Transform {{ XRotate {text} Sphere {{ center 0 0 0 radius 1 }} }}")),
     };
     let description = a2::scene_file::parse(source).map_err(|error| error.to_string())?;
     let Node::Group(members) = description.root else { panic!() };
-    match &members[0] {
-        Node::Leaf(leaf) => match &leaf.shape {
-            ShapeBlock::Sphere { radius, .. } => Ok(radius.value),
-            _ => panic!(),
-        },
-        _ => panic!(),
-    }
+    let Node::Transform { steps, .. } = &members[0] else { panic!() };
+    let TransformStep::Rotate { degrees, .. } = steps[0].value else { panic!() };
+    Ok(degrees)
 }
 
 #[test]
@@ -35,7 +32,7 @@ fn what_is_read_and_what_is_refused() {
         ("5.", "5.", 5.0),
         ("0.1 to the last bit", "0.1000000000000000055511151231257827", 0.1),
     ] {
-        check_that(&format!("{case}: read"), radius(text) == Ok(value));
+        check_that(&format!("{case}: read"), number(text) == Ok(value));
     }
     let million = format!("1{}", "0".repeat(400));
     for (case, text, reason) in [
@@ -50,7 +47,7 @@ fn what_is_read_and_what_is_refused() {
         ("1e", "1e", "expected a number"),
         ("--1", "--1", "expected a number"),
     ] {
-        let refused = radius(text).is_err_and(|said| said.contains(reason) && said.starts_with("s.txt:4:30: "));
+        let refused = number(text).is_err_and(|said| said.contains(reason) && said.starts_with("s.txt:4:21: "));
         check_that(&format!("{case}: refused at its place"), refused);
     }
 }

@@ -3,7 +3,10 @@
 //!
 //! Slow, and with f64 only as good as textbook formulas are; pictures are compared with it as with the course's own.
 
-use a2::scene_file::{Description, LightBlock, MaterialBlock, Node, ShapeBlock, TransformStep};
+use a2::light::Light;
+use a2::material::Material;
+use a2::objects::{Plane, Shape, Sphere, Triangle};
+use a2::scene_file::{Description, LeafShape, Node, TransformStep};
 use image::{Rgb, RgbImage};
 use std::collections::HashMap;
 use std::path::Path;
@@ -60,7 +63,7 @@ impl Reference<'_> {
             Node::Group(members) => members.iter().for_each(|member| self.load_meshes(member, folder)),
             Node::Transform { child, .. } => self.load_meshes(child, folder),
             Node::Leaf(leaf) => {
-                if let ShapeBlock::TriangleMesh { obj_file } = &leaf.shape {
+                if let LeafShape::Mesh(obj_file) = &leaf.shape {
                     let text = std::fs::read_to_string(folder.join(&obj_file.value)).unwrap();
                     self.meshes.insert(obj_file.value.clone(), read_obj(&text));
                 }
@@ -90,7 +93,7 @@ impl Reference<'_> {
         let mirrored = direction - hit.normal * (2.0 * direction.dot(hit.normal));
         let mut color = Vector3::ZERO;
         for light in &self.description.lights {
-            color += self.lit(light, material, point, hit.normal, mirrored, flags);
+            color += self.lit(&light.value, material, point, hit.normal, mirrored, flags);
         }
         if material.specular.length() > 0.1 && bounces > 0 {
             let seen = self.trace(point + mirrored * 0.01, mirrored, bounces - 1, flags);
@@ -103,16 +106,16 @@ impl Reference<'_> {
 
     fn lit(
         &self,
-        light: &LightBlock,
-        material: &MaterialBlock,
+        light: &Light,
+        material: &Material,
         point: Vector3,
         normal: Vector3,
         mirrored: Vector3,
         flags: Flags,
     ) -> Vector3 {
         let (to_light, distance, intensity) = match light {
-            LightBlock::Directional { direction, color } => (-direction.value.normalized(), f64::INFINITY, *color),
-            LightBlock::Point { position, color, falloff, .. } => {
+            Light::Directional { to_light, color } => (*to_light, f64::INFINITY, *color),
+            Light::Point { position, color, falloff } => {
                 let offset = *position - point;
                 let squared = offset.length_squared();
                 (offset.normalized(), squared.sqrt(), *color * (1.0 / (falloff * squared)))
@@ -160,25 +163,26 @@ impl Reference<'_> {
         }
     }
 
-    fn shape(&self, shape: &ShapeBlock, origin: Vector3, direction: Vector3) -> Option<(f64, Vector3)> {
+    fn shape(&self, shape: &LeafShape, origin: Vector3, direction: Vector3) -> Option<(f64, Vector3)> {
         match shape {
-            ShapeBlock::Sphere { center, radius } => {
+            LeafShape::Shape(Shape::Sphere(Sphere { center, radius })) => {
                 let offset = origin - *center;
                 let (a, b) = (direction.length_squared(), offset.dot(direction));
-                let root = (b * b - a * (offset.length_squared() - radius.value * radius.value)).sqrt();
+                let root = (b * b - a * (offset.length_squared() - radius * radius)).sqrt();
                 let t = [(-b - root) / a, (-b + root) / a].into_iter().find(|&t| t > 0.0)?;
                 Some((t, (offset + direction * t).normalized()))
             }
-            ShapeBlock::Plane { normal, offset } => {
-                let t = (offset - normal.value.dot(origin)) / normal.value.dot(direction);
-                (t > 0.0 && t < f64::from(f32::MAX)).then_some((t, normal.value))
+            LeafShape::Shape(Shape::Plane(Plane { normal, offset, .. })) => {
+                let t = (offset - normal.dot(origin)) / normal.dot(direction);
+                (t > 0.0 && t < f64::from(f32::MAX)).then_some((t, *normal))
             }
-            ShapeBlock::Triangle { vertices } => {
-                let (t, _) = triangle(*vertices, origin, direction)?;
-                let [a, b, c] = *vertices;
+            LeafShape::Shape(Shape::Triangle(Triangle { corners, .. })) => {
+                let (t, _) = triangle(*corners, origin, direction)?;
+                let [a, b, c] = *corners;
                 Some((t, (b - a).cross(c - a).normalized()))
             }
-            ShapeBlock::TriangleMesh { obj_file } => {
+            LeafShape::Shape(Shape::Mesh(_)) => unreachable!("a mesh is a file in the text of a scene"),
+            LeafShape::Mesh(obj_file) => {
                 let (vertices, faces, normals) = &self.meshes[&obj_file.value];
                 let mut nearest: Option<(f64, Vector3)> = None;
                 for face in faces {

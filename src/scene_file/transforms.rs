@@ -1,0 +1,49 @@
+//! Parses the steps of a `Transform`.
+
+use super::description::TransformStep;
+use super::fields::Fields;
+use super::lexer::Token;
+use crate::error::Error;
+use vecmath::{Real, Vector3};
+
+const AXES: [Vector3; 3] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+
+pub(super) const STEP_NAMES: [&str; 8] =
+    ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
+
+/// `Translate x y z | Scale x y z | UniformScale s | XRotate degrees | YRotate degrees | ZRotate degrees
+/// | Rotate { x y z degrees } | Matrix4f { 16 numbers, column by column }`
+///
+/// `name` is one of [`STEP_NAMES`].
+pub(super) fn transform_step(fields: &mut Fields, name: Token) -> Result<TransformStep, Error> {
+    let about = |axis: usize, degrees| TransformStep::Rotate { axis: AXES[axis], degrees };
+    let key = name.text;
+    Ok(match key {
+        "Translate" => TransformStep::Translate(fields.vector3(key)?),
+        "Scale" => TransformStep::Scale(fields.vector3(key)?),
+        "UniformScale" => TransformStep::Scale(Vector3::splat(fields.number(key)? as Real)),
+        "XRotate" => about(0, fields.number(key)?),
+        "YRotate" => about(1, fields.number(key)?),
+        "ZRotate" => about(2, fields.number(key)?),
+        "Rotate" => {
+            let [x, y, z, degrees] = numbers_in_braces(fields, key)?;
+            let axis = Vector3::from([x, y, z].map(|n| n as Real));
+            TransformStep::Rotate { axis, degrees }
+        }
+        _ => TransformStep::Matrix4f(numbers_in_braces(fields, key)?),
+    })
+}
+
+fn numbers_in_braces<const N: usize>(fields: &mut Fields, key: &str) -> Result<[f64; N], Error> {
+    fields.open_brace(key)?;
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = fields.number(key)?;
+    }
+    let token = fields.next(|_| format!("'}}' to end '{key}'"))?;
+    if token.text == "}" {
+        return Ok(numbers);
+    }
+    let message = format!("expected '}}' after the {N} numbers of '{key}', found '{}'", token.text);
+    Err(fields.error(token.span, message))
+}
