@@ -29,14 +29,14 @@ pub struct Plan {
     pub cube_map: bool,
     /// No reflected light is brighter than this in any component, if such a bound is known.
     pub radiance_bound: Option<Real>,
-    /// The processor level at which rays are culled.
+    /// The instruction set that rays are computed with.
     pub simd: Level,
     /// Why something was left out, a sentence each.
     pub left_out: Vec<String>,
 }
 
 impl Plan {
-    pub fn new(args: &Options, description: &Description) -> Self {
+    pub fn new(options: &Options, description: &Description) -> Self {
         let mut left_out = Vec::new();
         let mut leave_out = |unless: bool, why: &str| {
             if !unless {
@@ -44,9 +44,9 @@ impl Plan {
             }
             unless
         };
-        let color = leave_out(args.color.is_some(), "shading: no colour picture is asked for");
-        let depth = leave_out(args.depth.is_some(), "depths: no depth picture is asked for");
-        let normals = leave_out(args.normals.is_some(), "the normal picture: it is not asked for");
+        let color = leave_out(options.color.is_some(), "shading: no colour picture is asked for");
+        let depth = leave_out(options.depth.is_some(), "depths: no depth picture is asked for");
+        let normals = leave_out(options.normals.is_some(), "the normal picture: it is not asked for");
         let materials = materials_in_use(description);
         let mut plan = Self {
             color,
@@ -54,17 +54,17 @@ impl Plan {
             normals,
             lights: Vec::new(),
             shadows: false,
-            epsilon: args.epsilon,
-            robust: args.robust,
+            epsilon: options.epsilon,
+            robust: options.robust,
             bounces: 0,
             cube_map: false,
             radiance_bound: None,
-            simd: args.simd,
+            simd: options.simd,
             left_out,
         };
         if color {
             plan.decide_lights(description, &materials);
-            plan.decide_rays(args, description, &materials);
+            plan.decide_rays(options, description, &materials);
         }
         plan
     }
@@ -82,37 +82,43 @@ impl Plan {
         }
     }
 
-    fn decide_rays(&mut self, args: &Options, description: &Description, materials: &[&Material]) {
+    /// Mirror and shadow rays are traced only where a material or a light asks for them.
+    fn decide_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
         let has_mirror = materials.iter().any(|material| material.is_mirror());
-        self.shadows = args.shadows && !self.lights.is_empty();
-        self.bounces = if has_mirror { args.bounces } else { 0 };
+        self.shadows = options.shadows && !self.lights.is_empty();
+        self.bounces = if has_mirror { options.bounces } else { 0 };
         self.cube_map = description.background.cube_map.is_some();
         let mut note = |condition: bool, why: &str| {
             if condition {
                 self.left_out.push(why.to_owned());
             }
         };
-        note(!args.shadows, "shadow rays: -shadows is not given");
-        note(args.shadows && self.lights.is_empty(), "shadow rays: no light matters");
-        note(args.bounces == 0, "mirror rays: -bounces is 0");
+        note(!options.shadows, "shadow rays: -shadows is not given");
+        note(options.shadows && self.lights.is_empty(), "shadow rays: no light matters");
+        note(options.bounces == 0, "mirror rays: -bounces is 0");
         note(
-            args.bounces > 0 && !has_mirror,
+            options.bounces > 0 && !has_mirror,
             "mirror rays: no material in use is a mirror (specular longer than 0.1)",
         );
         self.radiance_bound = radiance_bound(description, &self.lights, materials, self.robust);
     }
 
     /// The plan as a text for a person.
-    pub fn explain(&self, args: &Options) -> String {
+    pub fn explain(&self, options: &Options) -> String {
         let mut text = String::new();
         let pictures = [(self.color, "colour"), (self.normals, "normals"), (self.depth, "depth")];
         let pictures: Vec<&str> = pictures.iter().filter(|picture| picture.0).map(|picture| picture.1).collect();
-        let samples = match args.measure.is_adaptive() {
+        let samples = match options.measure.is_adaptive() {
             true => "as many samples as it takes".to_owned(),
-            false => format!("{} sample(s) a pixel", args.samples() * args.grid_pixels()),
+            false => format!("{} sample(s) a pixel", options.samples() * options.grid_pixels()),
         };
-        let _ =
-            writeln!(text, "plan: {} x {} pixels of {}, {samples}", args.width, args.height, pictures.join(", "));
+        let _ = writeln!(
+            text,
+            "plan: {} x {} pixels of {}, {samples}",
+            options.width,
+            options.height,
+            pictures.join(", ")
+        );
         if self.color {
             let _ = writeln!(
                 text,
