@@ -9,8 +9,7 @@
 //! 5. [`render`]: the pictures' pixels, ray by ray ([`render::trace`] is the heart of it);
 //! 6. [`film`]: bytes and files.
 //!
-//! [`mod@compare`], [`mod@reference`], [`convergence`] and [`report`] stand beside: they measure how much pictures differ,
-//! and what the work cost.
+//! [`measure`] stands beside: how much pictures differ, and what the work cost.
 #![deny(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
@@ -18,35 +17,33 @@
 pub mod accel;
 pub mod args;
 pub mod camera;
-pub mod compare;
-pub mod convergence;
 pub mod cube_map;
 pub mod error;
 pub mod film;
 pub mod light;
 pub mod material;
+pub mod measure;
 pub mod objects;
 pub mod options;
 pub mod plan;
 mod progress;
-pub mod reference;
+pub mod ray_counts;
 pub mod render;
-pub mod report;
 pub mod scene;
 pub mod scene_file;
 pub mod timing;
 
 use args::Request;
-use compare::Comparison;
 use error::Error;
 use film::Film;
+use measure::{Phases, Point, Reference, Report, Sampling, TrueError};
 use options::{CompareOptions, Options};
 use plan::Plan;
+use ray_counts::RayCounts;
 use rayon::prelude::*;
-use reference::{Reference, TrueError};
 use render::Frame;
-use render::estimate::ErrorEstimate;
-use report::{Phases, RayCounts, Report, Sampling};
+use render::error_estimate::ErrorEstimate;
+
 use scene::{Compiled, compile};
 use std::ffi::OsString;
 use std::io::Write as _;
@@ -83,7 +80,7 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
 }
 
 fn compare(args: &CompareOptions) -> Result<Outcome, Error> {
-    let comparison: Comparison = compare::compare_files(args)?;
+    let comparison = measure::compare_files(args)?;
     let alike = comparison.percent_over(args.levels) <= args.percent;
     let verdict = if alike { "alike" } else { "different" };
     let text = format!("{comparison}{verdict}: at most {} level(s) on all but {}%\n", args.levels, args.percent);
@@ -109,7 +106,7 @@ pub struct Rendered {
     pub estimate: Option<ErrorEstimate>,
     pub true_error: Option<TrueError>,
     /// With `-convergence`.
-    pub convergence: Vec<convergence::Point>,
+    pub convergence: Vec<Point>,
 }
 
 /// Renders the pictures that `args` asks for, in memory. A time limit counts from here.
@@ -140,9 +137,9 @@ pub fn render_scene(args: &Options) -> Result<Rendered, Error> {
     let mut points = Vec::new();
     let frame: Frame;
     if args.measure.is_adaptive() {
-        (frame, sampling) = render::render_progressively(&scene, &plan, args, deadline, &progress);
+        (frame, sampling) = render::render_adaptive(&scene, &plan, args, deadline, &progress);
     } else if args.measure.convergence.is_some() {
-        (frame, points) = convergence::render_doubling(&scene, &plan, args, reference.as_ref(), &progress);
+        (frame, points) = measure::render_doubling(&scene, &plan, args, reference.as_ref(), &progress);
     } else {
         frame = render::render(&scene, &plan, args, &progress);
     }
@@ -241,7 +238,7 @@ fn write_findings(args: &Options, rendered: Rendered, total: &Stopwatch) -> Resu
     let write_text =
         |path: &Path, text: &str| film::write_whole(path, "the file", |file| file.write_all(text.as_bytes()));
     if let Some(path) = &measure.convergence {
-        write_text(path, &convergence::csv(args, &rendered.convergence))?;
+        write_text(path, &measure::csv(args, &rendered.convergence))?;
     }
     let report = Report {
         args,

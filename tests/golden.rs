@@ -3,7 +3,7 @@
 
 mod support;
 
-use a2::compare::Comparison;
+use a2::measure::Comparison;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use support::{Folder, picture, project};

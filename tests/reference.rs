@@ -3,7 +3,7 @@
 
 mod support;
 
-use a2::compare::Comparison;
+use a2::measure::Comparison;
 use support::reference::{self, Flags};
 use support::{Folder, project};
 

@@ -1,15 +1,15 @@
 //! [`Scene`](crate::scene::Scene) in, [`Film`](crate::film::Film) out. Begin reading at [`trace`].
 
+mod adaptive;
 mod allocation;
-pub mod estimate;
-mod progressive;
+pub mod error_estimate;
 mod rays;
 pub mod robust;
-mod sampling;
+mod samples;
 mod surfaces;
 mod tiles;
 pub mod trace;
 
-pub use progressive::render as render_progressively;
-pub use sampling::{SamplePattern, SampleSet};
+pub use adaptive::render as render_adaptive;
+pub use samples::{SamplePattern, SampleSet};
 pub use tiles::{Frame, Progress, render};

@@ -1,6 +1,6 @@
 //! From pixels to rays: which samples, where, and how what they see is displayed.
 
-use super::sampling::{SamplePattern, SampleSet};
+use super::samples::{SamplePattern, SampleSet};
 use super::trace::Seen;
 use crate::accel::simd::Level;
 use crate::camera::{CameraRays, PixelGrid, Places};

@@ -1,6 +1,6 @@
 //! All pixels of a picture, tile by tile, over all threads, with the same number of samples in each.
 
-use super::estimate::ErrorSums;
+use super::error_estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
 use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
 use crate::camera::{PixelGrid, Places};
@@ -8,7 +8,7 @@ use crate::film::{ExtraPlanes, Film, Pixel, average, filtered};
 use crate::objects::run::{RUN, Rays};
 use crate::options::Options;
 use crate::plan::Plan;
-use crate::report::RayCounts;
+use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Mutex;

@@ -10,7 +10,7 @@ use crate::objects::HitRun;
 use crate::objects::run::{Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::options::Epsilon;
 use crate::plan::Plan;
-use crate::report::RayCounts;
+use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use vecmath::{Real, Vector3};
 

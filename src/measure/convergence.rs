@@ -4,10 +4,10 @@
 //! that number gives, and each line of the table has that picture's own cost. (Going on from one to the next would
 //! cost half as much, but a stratified set of samples cannot be extended.)
 
+use super::reference::{Reference, TrueError};
 use crate::options::Options;
 use crate::plan::Plan;
-use crate::reference::{Reference, TrueError};
-use crate::render::estimate::ErrorEstimate;
+use crate::render::error_estimate::ErrorEstimate;
 use crate::render::{Frame, Progress, render};
 use crate::scene::Scene;
 use crate::timing::{Stopwatch, Times};

@@ -1,22 +1,23 @@
 //! All pixels of a picture with as many samples as an error or a time asks for, in waves over the whole picture.
 //!
 //! Each pixel has two halves that are sampled independently of each other; they tell its error (see
-//! [`estimate`](super::estimate)). With a target error, pilot samples that are then thrown away decide how the samples
+//! [`error_estimate`](super::error_estimate)). With a target error, pilot samples that are then thrown away decide how the samples
 //! are shared out (see [`allocation`](super::allocation)), and only the error of the whole picture decides when to stop:
 //! so every pixel is right in the mean but for its own weight in the whole, which is one of all pixels.
 
 use super::allocation::{Allocation, PILOT_SAMPLES};
-use super::estimate::ErrorSums;
+use super::error_estimate::ErrorSums;
 use super::rays::{RayMaker, SetSizes};
-use super::sampling::SamplePattern;
+use super::samples::SamplePattern;
 use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead, extra_planes};
 use super::trace::{Seen, Tracer};
 use crate::camera::Places;
 use crate::film::{Film, Pixel};
+use crate::measure::Sampling;
 use crate::objects::run::Rays;
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
-use crate::report::{RayCounts, Sampling};
+use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Mutex;

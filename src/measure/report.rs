@@ -1,13 +1,10 @@
 //! What the work amounted to, carried beside the pictures.
 
-mod text;
-
+use super::reference::TrueError;
 use crate::options::Options;
-use crate::reference::TrueError;
-use crate::render::estimate::ErrorEstimate;
+use crate::ray_counts::RayCounts;
+use crate::render::error_estimate::ErrorEstimate;
 use crate::timing::Times;
-use std::fmt;
-use std::ops::AddAssign;
 
 /// The parts of the work.
 #[derive(Clone, Copy, Debug, Default)]
@@ -92,37 +89,4 @@ pub fn peak_memory() -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kibibytes)
-}
-
-/// Rays by kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayCounts {
-    pub camera: u64,
-    pub shadow: u64,
-    pub mirror: u64,
-    /// Shadow rays that were not traced because their light adds nothing, blocked or not.
-    pub shadow_left_out: u64,
-}
-
-impl RayCounts {
-    pub fn total(&self) -> u64 {
-        self.camera + self.shadow + self.mirror
-    }
-}
-
-impl AddAssign for RayCounts {
-    fn add_assign(&mut self, other: Self) {
-        self.camera += other.camera;
-        self.shadow += other.shadow;
-        self.mirror += other.mirror;
-        self.shadow_left_out += other.shadow_left_out;
-    }
-}
-
-impl fmt::Display for RayCounts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "camera rays: {}", self.camera)?;
-        writeln!(f, "shadow rays: {}, left out: {}", self.shadow, self.shadow_left_out)?;
-        writeln!(f, "mirror rays: {}", self.mirror)
-    }
 }

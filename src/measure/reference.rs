@@ -4,7 +4,7 @@
 //! clamped to \[0, 1\] and multiplied by 255. Against a reference of bytes (PNG) the picture's own bytes are compared,
 //! for nobody knows the reference's fractions.
 
-use crate::compare::read_rgb;
+use super::compare::read_rgb;
 use crate::error::Error;
 use crate::film::{Film, NumberPicture, read_numbers, to_byte};
 use image::RgbImage;

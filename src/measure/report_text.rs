@@ -1,8 +1,8 @@
 //! A [`Report`] as JSON and as a table.
 
-use super::{Report, peak_memory};
-use crate::reference::TrueError;
-use crate::render::estimate::{ErrorEstimate, Interval};
+use super::reference::{RELATIVE_EPSILON, TrueError};
+use super::report::{Report, peak_memory};
+use crate::render::error_estimate::{ErrorEstimate, Interval};
 use crate::timing::Times;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -131,7 +131,7 @@ fn true_error_json(error: &TrueError) -> Value {
         "rmse_levels": error.rmse_levels,
         "rmse_linear": error.rmse_linear,
         "relative_mse": error.relative_mse,
-        "relative_mse_epsilon": crate::reference::RELATIVE_EPSILON,
+        "relative_mse_epsilon": RELATIVE_EPSILON,
         "psnr_db": error.psnr(),
         "worst_levels": error.worst_levels,
         "worst_pixel": error.worst_pixel,

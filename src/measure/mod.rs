@@ -1,0 +1,12 @@
+//! What a picture cost and how wrong it is: by its own estimate, against a reference, against another picture.
+
+mod compare;
+mod convergence;
+mod reference;
+mod report;
+mod report_text;
+
+pub use compare::{Comparison, compare_files};
+pub use convergence::{Point, csv, render_doubling};
+pub use reference::{Reference, TrueError};
+pub use report::{Phases, Report, Sampling};
