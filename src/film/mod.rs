@@ -1,7 +1,7 @@
-//! What was seen, as numbers and as bytes.
+//! [`Film`]: the planes of bytes and numbers that become pictures, and the files they are written to.
 //!
-//! A [`Pixel`] holds displayed values: colour as it is, depth and normal already mapped to \[0, 1\]. A [`Film`] holds
-//! the bytes of the pictures that are asked for, and no others.
+//! Takes values as they are to be shown: colours as they are, depths and normals already mapped to \[0, 1\]. Knows neither
+//! rays nor scenes.
 
 mod encode;
 mod numbers;
@@ -10,70 +10,33 @@ mod png;
 pub use encode::{check_writable, write_png, write_whole};
 pub use numbers::{NumberPicture, read_numbers, write_numbers};
 
-use crate::plan::Plan;
-use crate::render::trace::Seen;
+use crate::options::Options;
 use vecmath::{Real, Vector3};
 
-/// The displayed values of a pixel or of a sample of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pixel {
-    /// Not clamped.
-    pub color: Vector3,
-    /// 0 (nearest, or nothing seen) to 1.
-    pub depth: Real,
-    /// (n + 1)/2, each component from 0 to 1.
-    pub normal: Vector3,
+/// Which planes a film holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Planes {
+    pub color: bool,
+    pub depth: bool,
+    pub normals: bool,
+    pub linear: bool,
+    pub error_map: bool,
 }
 
-impl Pixel {
-    /// Shows what a ray saw. Maps depths from `depth_range` to \[0, 1\]; a range without extent is black. Depth and normal
-    /// stay as they are where no picture shows them.
-    #[inline]
-    pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
-        let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
-        self.color = seen.color;
-        if let Some((min, max)) = depth_range {
-            let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
-            self.depth = if min == max { 0.0 } else { clamped(depth) };
-        }
-        if shows_normals {
-            self.normal = ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped);
+impl Planes {
+    /// The planes for the pictures and comparisons that are asked for.
+    pub fn wanted_by(options: &Options) -> Self {
+        Self {
+            color: options.color.is_some(),
+            depth: options.depth.is_some(),
+            normals: options.normals.is_some(),
+            linear: options.keeps_linear(),
+            error_map: options.measure.error_map.is_some(),
         }
     }
-
-    /// Ready to be averaged: a colour that is NaN counts as 0, an infinite one as the largest `f32`.
-    #[must_use]
-    pub fn sanitized(mut self) -> Self {
-        const LARGEST: Real = f32::MAX as Real;
-        self.color = self.color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) });
-        self
-    }
 }
 
-impl Pixel {
-    fn add(&mut self, other: &Self, weight: Real) {
-        self.color += other.color * weight;
-        self.depth += other.depth * weight;
-        self.normal += other.normal * weight;
-    }
-}
-
-/// The mean of `count` pixels.
-pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
-    let mut mean = Pixel::default();
-    pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
-    mean
-}
-
-/// A 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
-pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
-    const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
-    let mut mean = Pixel::default();
-    block.zip(WEIGHTS).for_each(|(pixel, weight)| mean.add(&pixel, weight / 16.0));
-    mean
-}
-
-/// The bytes of the pictures that are asked for, rows from the top.
+/// A picture, or a rectangle of one, in several planes; rows from the top.
 #[derive(Debug)]
 pub struct Film {
     pub width: u32,
@@ -90,68 +53,90 @@ pub struct Film {
     pub error_map: Option<Vec<u8>>,
 }
 
-/// Planes of a film that no scene needs and that are kept on demand.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ExtraPlanes {
-    pub linear: bool,
-    pub error_map: bool,
-}
-
 impl Film {
-    /// A black film for the pictures of `plan`.
-    pub fn new(width: u32, height: u32, plan: &Plan, extra: ExtraPlanes) -> Self {
+    /// A black film.
+    pub fn new(width: u32, height: u32, planes: Planes) -> Self {
         let pixels = width as usize * height as usize;
         let plane = |wanted: bool, bytes: usize| wanted.then(|| vec![0; pixels * bytes]);
         Self {
             width,
             height,
-            color: plane(plan.color, 3),
-            depth: plane(plan.depth, 1),
-            normals: plane(plan.normals, 3),
-            linear: extra.linear.then(|| vec![0.0; 3 * pixels]),
-            error_map: plane(extra.error_map, 1),
+            color: plane(planes.color, 3),
+            depth: plane(planes.depth, 1),
+            normals: plane(planes.normals, 3),
+            linear: planes.linear.then(|| vec![0.0; 3 * pixels]),
+            error_map: plane(planes.error_map, 1),
         }
     }
 
-    /// Stores the standard errors, in levels, of the pixels of a rectangle.
-    pub fn set_errors(&mut self, x: u32, row: u32, width: u32, levels: &[f64]) {
-        let Some(plane) = &mut self.error_map else { return };
-        for (line, levels) in levels.chunks_exact(width as usize).enumerate() {
-            let start = (row as usize + line) * self.width as usize + x as usize;
-            for (byte, levels) in plane[start..].iter_mut().zip(levels) {
-                *byte = (16.0 * levels).round() as u8;
+    /// Sets the colours of all pixels, if the film has a plane for them.
+    pub fn set_colors(&mut self, colors: impl Iterator<Item = Vector3> + Clone) {
+        if let Some(plane) = &mut self.linear {
+            for (numbers, color) in plane.chunks_exact_mut(3).zip(colors.clone()) {
+                numbers.copy_from_slice(&color.to_array().map(|c| c as f32));
             }
+        }
+        set_bytes(&mut self.color, colors);
+    }
+
+    /// Sets the normals of all pixels, if the film has a plane for them: components from 0 to 1.
+    pub fn set_normals(&mut self, normals: impl Iterator<Item = Vector3>) {
+        set_bytes(&mut self.normals, normals);
+    }
+
+    /// Sets the depths of all pixels, if the film has a plane for them: from 0 to 1.
+    pub fn set_depths(&mut self, depths: impl Iterator<Item = Real>) {
+        if let Some(plane) = &mut self.depth {
+            plane.iter_mut().zip(depths).for_each(|(byte, depth)| *byte = to_byte(depth));
         }
     }
 
-    /// Stores the pixels of a rectangle `width` wide whose top left pixel is (`x`, `row`).
-    pub fn set_tile(&mut self, x: u32, row: u32, width: u32, pixels: &[Pixel]) {
-        for (line, pixels) in pixels.chunks_exact(width as usize).enumerate() {
-            let start = (row as usize + line) * self.width as usize + x as usize;
-            let places = start..start + pixels.len();
-            if let Some(plane) = &mut self.color {
-                set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.color);
-            }
-            if let Some(plane) = &mut self.linear {
-                for (numbers, pixel) in plane[3 * places.start..].chunks_exact_mut(3).zip(pixels) {
-                    numbers.copy_from_slice(&pixel.color.to_array().map(|c| c as f32));
-                }
-            }
-            if let Some(plane) = &mut self.normals {
-                set_colors(&mut plane[3 * places.start..3 * places.end], pixels, |pixel| pixel.normal);
-            }
-            if let Some(plane) = &mut self.depth {
-                for (byte, pixel) in plane[places].iter_mut().zip(pixels) {
-                    *byte = to_byte(pixel.depth);
-                }
-            }
+    /// Sets the standard errors of all pixels, if the film has a plane for them: in byte levels.
+    pub fn set_errors(&mut self, levels: impl Iterator<Item = f64>) {
+        if let Some(plane) = &mut self.error_map {
+            plane.iter_mut().zip(levels).for_each(|(byte, levels)| *byte = (16.0 * levels).round() as u8);
+        }
+    }
+
+    /// Copies a tile into the film, with its top left pixel at (`x`, `row`). The tile has the same planes.
+    pub fn place(&mut self, x: u32, row: u32, tile: &Self) {
+        let film_width = self.width as usize;
+        let rows = TileRows {
+            first: row as usize * film_width + x as usize,
+            film_width,
+            tile_width: tile.width as usize,
+        };
+        rows.copy(&mut self.color, &tile.color, 3);
+        rows.copy(&mut self.depth, &tile.depth, 1);
+        rows.copy(&mut self.normals, &tile.normals, 3);
+        rows.copy(&mut self.linear, &tile.linear, 3);
+        rows.copy(&mut self.error_map, &tile.error_map, 1);
+    }
+}
+
+/// Where the rows of a tile lie in a film, in pixels.
+struct TileRows {
+    first: usize,
+    film_width: usize,
+    tile_width: usize,
+}
+
+impl TileRows {
+    /// Copies a plane of a tile into that of a film, if there is one.
+    fn copy<T: Copy>(&self, film: &mut Option<Vec<T>>, tile: &Option<Vec<T>>, channels: usize) {
+        let (Some(film), Some(tile)) = (film, tile) else { return };
+        let film_rows = film[channels * self.first..].chunks_mut(channels * self.film_width);
+        for (film_row, tile_row) in film_rows.zip(tile.chunks_exact(channels * self.tile_width)) {
+            film_row[..tile_row.len()].copy_from_slice(tile_row);
         }
     }
 }
 
-fn set_colors(bytes: &mut [u8], pixels: &[Pixel], color: impl Fn(&Pixel) -> Vector3) {
-    for (bytes, pixel) in bytes.chunks_exact_mut(3).zip(pixels) {
-        bytes.copy_from_slice(&color(pixel).to_array().map(to_byte));
+fn set_bytes(plane: &mut Option<Vec<u8>>, colors: impl Iterator<Item = Vector3>) {
+    if let Some(plane) = plane {
+        for (bytes, color) in plane.chunks_exact_mut(3).zip(colors) {
+            bytes.copy_from_slice(&color.to_array().map(to_byte));
+        }
     }
 }
 
@@ -182,36 +167,18 @@ mod tests {
         }
     }
 
-    fn depth_of(t: Option<Real>, range: (Real, Real)) -> Real {
-        let mut pixel = Pixel::default();
-        pixel.show(&Seen { depth: t, ..Seen::default() }, Some(range), false);
-        pixel.depth
-    }
-
     #[test]
-    fn depths_map_to_their_range() {
-        assert_eq!(depth_of(Some(9.0), (8.0, 12.0)), 0.25);
-        assert_eq!(depth_of(Some(9.0), (12.0, 8.0)), 0.75);
-        assert_eq!(depth_of(Some(20.0), (8.0, 12.0)), 1.0);
-        assert_eq!(depth_of(Some(1.0), (8.0, 12.0)), 0.0);
-        assert_eq!(depth_of(None, (8.0, 12.0)), 0.0);
-        assert_eq!(depth_of(None, (12.0, 8.0)), 0.0);
-        assert_eq!(depth_of(Some(9.0), (9.0, 9.0)), 0.0);
-    }
-
-    #[test]
-    fn the_filter_weighs_the_middle_most() {
-        let mut block = [Pixel::default(); 9];
-        block[4].color = Vector3::splat(1.0);
-        assert_eq!(filtered(block.into_iter()).color, Vector3::splat(0.25));
-        let flat = [Pixel { depth: 0.5, ..Pixel::default() }; 9];
-        assert_eq!(filtered(flat.into_iter()).depth, 0.5);
-    }
-
-    #[test]
-    fn what_is_no_number_is_averaged_as_a_number() {
-        let pixel = Pixel { color: Vector3::new(Real::NAN, Real::INFINITY, -1.0), ..Pixel::default() };
-        let largest = f32::MAX as Real;
-        assert_eq!(pixel.sanitized().color, Vector3::new(0.0, largest, -1.0));
+    fn tiles_land_in_their_place_in_every_plane() {
+        let planes = Planes { color: true, depth: true, linear: true, ..Planes::default() };
+        let mut tile = Film::new(2, 2, planes);
+        tile.set_colors((1..5).map(|n| Vector3::splat(n as Real / 255.0)));
+        tile.set_depths((1..5).map(|n| n as Real / 255.0));
+        let mut film = Film::new(3, 3, planes);
+        film.place(1, 1, &tile);
+        let expected = [0, 0, 0, 0, 1, 2, 0, 3, 4];
+        assert_eq!(film.depth.unwrap(), expected);
+        assert_eq!(film.color.unwrap(), expected.map(|byte| [byte; 3]).concat());
+        assert_eq!(film.linear.unwrap(), expected.map(|byte| [byte as f32 / 255.0; 3]).concat());
+        assert!(film.normals.is_none() && film.error_map.is_none());
     }
 }

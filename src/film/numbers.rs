@@ -6,6 +6,7 @@
 
 use super::write_whole;
 use crate::error::Error;
+use crate::options::has_extension;
 use image::{DynamicImage, ImageFormat, Rgb32FImage};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -19,7 +20,7 @@ pub struct NumberPicture {
 }
 
 fn is_pfm(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pfm"))
+    has_extension(path, "pfm")
 }
 
 /// Writes a picture in the format that its name asks for: `.pfm`, otherwise EXR. `numbers` are three a pixel.

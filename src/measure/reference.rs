@@ -7,6 +7,7 @@
 use super::compare::read_rgb;
 use crate::error::Error;
 use crate::film::{Film, NumberPicture, read_numbers, to_byte};
+use crate::options::has_extension;
 use image::RgbImage;
 use image_compare::{Algorithm, rgb_similarity_structure};
 use std::fmt;
@@ -46,7 +47,7 @@ impl Reference {
     /// # Errors
     /// [`Error::File`] when it cannot be read or its size is another one.
     pub fn read(path: &Path, width: u32, height: u32) -> Result<Self, Error> {
-        let is_bytes = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        let is_bytes = has_extension(path, "png");
         let picture = if is_bytes {
             let picture = read_rgb(path)?;
             let numbers = picture.iter().map(|&byte| f32::from(byte) / 255.0).collect();

@@ -7,12 +7,13 @@
 
 use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::error_estimate::ErrorSums;
+use super::pixel::{Pixel, store};
 use super::rays::{RayMaker, SetSizes};
 use super::samples::SamplePattern;
-use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead, extra_planes};
+use super::tiles::{Frame, Progress, RAYS_AT_ONCE, Tile, decode_faces_ahead};
 use super::trace::{Seen, Tracer};
 use crate::camera::Places;
-use crate::film::{Film, Pixel};
+use crate::film::{Film, Planes};
 use crate::measure::Sampling;
 use crate::objects::run::Rays;
 use crate::options::{Options, SamplerKind};
@@ -266,7 +267,8 @@ impl Progressive<'_> {
     fn finished(self, preview: Option<Preview>) -> (Frame, Sampling) {
         let errors = self.errors();
         let args = self.args;
-        let mut film = Film::new(args.width, args.height, self.plan, extra_planes(args));
+        let planes = Planes::wanted_by(args);
+        let mut film = Film::new(args.width, args.height, planes);
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         let mut sampling = Sampling { waves: self.waves, ..Sampling::default() };
         for state in self.tiles {
@@ -283,13 +285,15 @@ impl Progressive<'_> {
                     }
                 })
                 .collect();
-            film.set_tile(tile.x, tile.row, tile.width, &pixels);
-            if args.measure.error_map.is_some() {
+            let mut tile_film = Film::new(tile.width, tile.height, planes);
+            store(&pixels, &mut tile_film);
+            if planes.error_map {
                 let mut sums = ErrorSums::default();
                 let levels =
                     |index| if state.samples[index] > 0 { sums.add_halves(state.halves(index)) } else { 255.0 };
-                film.set_errors(tile.x, tile.row, tile.width, &(0..pixels.len()).map(levels).collect::<Vec<_>>());
+                tile_film.set_errors((0..pixels.len()).map(levels));
             }
+            film.place(tile.x, tile.row, &tile_film);
             counts += state.counts;
         }
         (Frame { film, counts, errors, filter: None }, sampling)

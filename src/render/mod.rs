@@ -3,6 +3,7 @@
 mod adaptive;
 mod allocation;
 pub mod error_estimate;
+mod pixel;
 mod rays;
 pub mod robust;
 mod samples;
@@ -11,5 +12,6 @@ mod tiles;
 pub mod trace;
 
 pub use adaptive::render as render_adaptive;
+pub use pixel::Pixel;
 pub use samples::{SamplePattern, SampleSet};
 pub use tiles::{Frame, Progress, render};

@@ -1,10 +1,10 @@
 //! From pixels to rays: which samples, where, and how what they see is displayed.
 
+use super::pixel::Pixel;
 use super::samples::{SamplePattern, SampleSet};
 use super::trace::Seen;
 use crate::accel::simd::Level;
 use crate::camera::{CameraRays, PixelGrid, Places};
-use crate::film::Pixel;
 use crate::objects::run::Rays;
 use crate::options::{Options, SamplerKind};
 use crate::scene::Scene;

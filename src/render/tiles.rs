@@ -1,10 +1,11 @@
 //! All pixels of a picture, tile by tile, over all threads, with the same number of samples in each.
 
 use super::error_estimate::ErrorSums;
+use super::pixel::{Pixel, average, filtered, store};
 use super::rays::{RayMaker, SetSizes};
 use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
 use crate::camera::{PixelGrid, Places};
-use crate::film::{ExtraPlanes, Film, Pixel, average, filtered};
+use crate::film::{Film, Planes};
 use crate::objects::run::{RUN, Rays};
 use crate::options::Options;
 use crate::plan::Plan;
@@ -39,28 +40,26 @@ pub struct Frame {
 pub fn render(scene: &Scene, plan: &Plan, args: &Options, progress: &dyn Progress) -> Frame {
     let tiles = Tile::all(args.width, args.height);
     decode_faces_ahead(scene, plan, args);
-    let shared =
-        Mutex::new((Film::new(args.width, args.height, plan, extra_planes(args)), RayCounts::default(), 0));
+    let planes = Planes::wanted_by(args);
+    let shared = Mutex::new((Film::new(args.width, args.height, planes), RayCounts::default(), 0));
     let filter_nanoseconds = AtomicU64::new(0);
     let errors: Vec<ErrorSums> = tiles
         .par_iter()
         .map_init(
             || Sampler::new(scene, plan, args),
             |sampler, tile| {
-                let pixels = sampler.tile(tile);
+                let mut tile_film = Film::new(tile.width, tile.height, planes);
+                store(&sampler.tile(tile), &mut tile_film);
+                tile_film.set_errors(sampler.pixel_errors.drain(..));
                 // A poisoned lock means that another thread has panicked, and that panic is on its way up.
                 let Ok(mut guard) = shared.lock() else { return ErrorSums::default() };
                 let (film, counts, done) = &mut *guard;
-                film.set_tile(tile.x, tile.row, tile.width, &pixels);
-                if !sampler.pixel_errors.is_empty() {
-                    film.set_errors(tile.x, tile.row, tile.width, &sampler.pixel_errors);
-                }
+                film.place(tile.x, tile.row, &tile_film);
                 *counts += std::mem::take(&mut sampler.tracer.counts);
                 *done += 1;
                 progress.advance(*done, tiles.len());
                 let filter = std::mem::take(&mut sampler.filter);
                 filter_nanoseconds.fetch_add(filter.as_nanos() as u64, Ordering::Relaxed);
-                sampler.pixel_errors.clear();
                 std::mem::take(&mut sampler.errors)
             },
         )
@@ -68,11 +67,6 @@ pub fn render(scene: &Scene, plan: &Plan, args: &Options, progress: &dyn Progres
     let (film, counts, _) = shared.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     let filter = args.measure.wants_times().then(|| Duration::from_nanos(filter_nanoseconds.into_inner()));
     Frame { film, counts, errors: ErrorSums::total(&errors), filter }
-}
-
-/// The planes that are kept on demand.
-pub fn extra_planes(options: &Options) -> ExtraPlanes {
-    ExtraPlanes { linear: options.keeps_linear(), error_map: options.measure.error_map.is_some() }
 }
 
 /// Decodes the cube map faces that a few rays reach, before threads wait for one another at the first ray to reach each.

@@ -2,7 +2,7 @@
 
 use super::support::{CAMERA, Studio, check, check_that, objects, vector, ways};
 use a2::cube_map::CubeMap;
-use a2::film::Pixel;
+use a2::render::Pixel;
 use a2::render::trace::Seen;
 use vecmath::Real;
 

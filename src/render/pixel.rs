@@ -1,0 +1,107 @@
+//! [`Pixel`]: what a ray saw as pictures show it, and how several of them become one.
+
+use super::trace::Seen;
+use crate::film::Film;
+use vecmath::{Real, Vector3};
+
+/// The displayed values of a pixel or of a sample of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Not clamped.
+    pub color: Vector3,
+    /// 0 (nearest, or nothing seen) to 1.
+    pub depth: Real,
+    /// (n + 1)/2, each component from 0 to 1.
+    pub normal: Vector3,
+}
+
+impl Pixel {
+    /// Takes what a ray saw a ray saw. Maps depths from `depth_range` to \[0, 1\]; a range without extent is black. Depth and normal
+    /// stay as they are where no picture shows them.
+    #[inline]
+    pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
+        let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
+        self.color = seen.color;
+        if let Some((min, max)) = depth_range {
+            let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
+            self.depth = if min == max { 0.0 } else { clamped(depth) };
+        }
+        if shows_normals {
+            self.normal = ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped);
+        }
+    }
+
+    /// Ready to be averaged: a colour that is NaN counts as 0, an infinite one as the largest `f32`.
+    #[must_use]
+    pub fn sanitized(mut self) -> Self {
+        const LARGEST: Real = f32::MAX as Real;
+        self.color = self.color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) });
+        self
+    }
+
+    fn add(&mut self, other: &Self, weight: Real) {
+        self.color += other.color * weight;
+        self.depth += other.depth * weight;
+        self.normal += other.normal * weight;
+    }
+}
+
+/// The mean of `count` pixels.
+pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
+    let mut mean = Pixel::default();
+    pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
+    mean
+}
+
+/// A 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
+pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
+    const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
+    let mut mean = Pixel::default();
+    block.zip(WEIGHTS).for_each(|(pixel, weight)| mean.add(&pixel, weight / 16.0));
+    mean
+}
+
+/// Stores pixels in a film of as many, row by row.
+pub fn store(pixels: &[Pixel], film: &mut Film) {
+    film.set_colors(pixels.iter().map(|pixel| pixel.color));
+    film.set_normals(pixels.iter().map(|pixel| pixel.normal));
+    film.set_depths(pixels.iter().map(|pixel| pixel.depth));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth_of(t: Option<Real>, range: (Real, Real)) -> Real {
+        let mut pixel = Pixel::default();
+        pixel.show(&Seen { depth: t, ..Seen::default() }, Some(range), false);
+        pixel.depth
+    }
+
+    #[test]
+    fn depths_map_to_their_range() {
+        assert_eq!(depth_of(Some(9.0), (8.0, 12.0)), 0.25);
+        assert_eq!(depth_of(Some(9.0), (12.0, 8.0)), 0.75);
+        assert_eq!(depth_of(Some(20.0), (8.0, 12.0)), 1.0);
+        assert_eq!(depth_of(Some(1.0), (8.0, 12.0)), 0.0);
+        assert_eq!(depth_of(None, (8.0, 12.0)), 0.0);
+        assert_eq!(depth_of(None, (12.0, 8.0)), 0.0);
+        assert_eq!(depth_of(Some(9.0), (9.0, 9.0)), 0.0);
+    }
+
+    #[test]
+    fn the_filter_weighs_the_middle_most() {
+        let mut block = [Pixel::default(); 9];
+        block[4].color = Vector3::splat(1.0);
+        assert_eq!(filtered(block.into_iter()).color, Vector3::splat(0.25));
+        let flat = [Pixel { depth: 0.5, ..Pixel::default() }; 9];
+        assert_eq!(filtered(flat.into_iter()).depth, 0.5);
+    }
+
+    #[test]
+    fn what_is_no_number_is_averaged_as_a_number() {
+        let pixel = Pixel { color: Vector3::new(Real::NAN, Real::INFINITY, -1.0), ..Pixel::default() };
+        let largest = f32::MAX as Real;
+        assert_eq!(pixel.sanitized().color, Vector3::new(0.0, largest, -1.0));
+    }
+}
