@@ -36,13 +36,13 @@ pub mod timing;
 use args::Request;
 use error::Error;
 use film::Film;
-use measure::{Phases, Point, Reference, Report, Sampling, TrueError};
+use measure::{Phases, Point, Reference, Report, TrueError};
 use options::{CompareOptions, Options};
 use plan::Plan;
 use ray_counts::RayCounts;
 use rayon::prelude::*;
-use render::Frame;
 use render::error_estimate::ErrorEstimate;
+use render::{Frame, SampleCounts};
 
 use scene::{Compiled, compile};
 use std::ffi::OsString;
@@ -101,7 +101,7 @@ pub struct Rendered {
     /// What was not done, a sentence each.
     pub left_out: Vec<String>,
     pub phases: Phases,
-    pub sampling: Sampling,
+    pub sampling: SampleCounts,
     /// How wrong the colours are, where the samples tell it.
     pub estimate: Option<ErrorEstimate>,
     pub true_error: Option<TrueError>,
@@ -132,18 +132,16 @@ pub fn render_scene(args: &Options) -> Result<Rendered, Error> {
     phases.load = watch.times().without(build);
     let progress = progress::Bar::new(args.quiet);
     let watch = Stopwatch::start();
-    let mut sampling =
-        Sampling::even(u64::from(args.width) * u64::from(args.height), args.samples() * args.grid_pixels());
     let mut points = Vec::new();
     let frame: Frame;
     if args.measure.is_adaptive() {
-        (frame, sampling) = render::render_adaptive(&scene, &plan, args, deadline, &progress);
+        frame = render::render_adaptive(&scene, &plan, args, deadline, &progress);
     } else if args.measure.convergence.is_some() {
         (frame, points) = measure::render_doubling(&scene, &plan, args, reference.as_ref(), &progress);
     } else {
-        frame = render::render(&scene, &plan, args, &progress);
+        frame = render::render_uniform(&scene, &plan, args, &progress);
     }
-    let filter = frame.filter.unwrap_or_default();
+    let filter = frame.filter;
     phases.filter = Times { wall: filter / rayon::current_num_threads() as u32, cpu: filter };
     phases.render = watch.times().without(phases.filter);
     let cube_map = scene.background.cube_map.as_ref();
@@ -151,14 +149,14 @@ pub fn render_scene(args: &Options) -> Result<Rendered, Error> {
     let decoded_faces = cube_map.map_or(0, cube_map::CubeMap::decoded_faces);
     let true_error = reference.and_then(|reference| reference.error_of(&frame.film));
     Ok(Rendered {
-        estimate: frame.errors.estimate(),
+        estimate: frame.estimate,
         film: frame.film,
         counts: frame.counts,
         decoded_faces,
         warnings,
         left_out: plan.left_out,
         phases,
-        sampling,
+        sampling: frame.samples,
         true_error,
         convergence: points,
     })

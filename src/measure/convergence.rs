@@ -8,7 +8,7 @@ use super::reference::{Reference, TrueError};
 use crate::options::Options;
 use crate::plan::Plan;
 use crate::render::error_estimate::ErrorEstimate;
-use crate::render::{Frame, Progress, render};
+use crate::render::{Frame, Progress, render_uniform};
 use crate::scene::Scene;
 use crate::timing::{Stopwatch, Times};
 use std::fmt::Write as _;
@@ -34,17 +34,17 @@ pub fn render_doubling(
     progress: &dyn Progress,
 ) -> (Frame, Vec<Point>) {
     let mut points = Vec::new();
-    let mut wave = args.clone();
+    let mut current = args.clone();
     let mut samples = 1;
     loop {
-        wave.measure.samples = Some(samples);
+        current.measure.samples = Some(samples);
         let watch = Stopwatch::start();
-        let frame = render(scene, plan, &wave, progress);
+        let frame = render_uniform(scene, plan, &current, progress);
         points.push(Point {
             samples,
             times: watch.times(),
             rays: frame.counts.total(),
-            estimate: frame.errors.estimate(),
+            estimate: frame.estimate,
             true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
         });
         if samples == args.samples() {

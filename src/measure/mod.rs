@@ -9,4 +9,4 @@ mod report_text;
 pub use compare::{Comparison, compare_files};
 pub use convergence::{Point, csv, render_doubling};
 pub use reference::{Reference, TrueError};
-pub use report::{Phases, Report, Sampling};
+pub use report::{Phases, Report};

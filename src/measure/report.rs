@@ -3,6 +3,7 @@
 use super::reference::TrueError;
 use crate::options::Options;
 use crate::ray_counts::RayCounts;
+use crate::render::SampleCounts;
 use crate::render::error_estimate::ErrorEstimate;
 use crate::timing::Times;
 
@@ -18,7 +19,7 @@ pub struct Phases {
     /// All rays.
     pub render: Times,
     /// From samples to pixels. This happens between rays on all threads; its wall time is its CPU time divided by
-    /// the number of threads, and not contained in `render`. Nothing in the modes that sample in waves, where samples
+    /// the number of threads, and not contained in `render`. Zero for adaptive sampling, where samples
     /// are added up as they come.
     pub filter: Times,
     /// Writing pictures.
@@ -38,35 +39,6 @@ impl Phases {
     }
 }
 
-/// How many samples the pixels of the picture got.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sampling {
-    pub pixels: u64,
-    pub total: u64,
-    pub least: Option<u32>,
-    pub most: u32,
-    /// Passes over the picture; 0 where the number of samples was known before.
-    pub waves: u32,
-}
-
-impl Sampling {
-    pub fn add_pixel(&mut self, samples: u32) {
-        self.pixels += 1;
-        self.total += u64::from(samples);
-        self.least = Some(self.least.map_or(samples, |least| least.min(samples)));
-        self.most = self.most.max(samples);
-    }
-
-    /// The same number for all.
-    pub fn even(pixels: u64, samples: u32) -> Self {
-        Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, waves: 0 }
-    }
-
-    pub fn mean(&self) -> f64 {
-        self.total as f64 / self.pixels.max(1) as f64
-    }
-}
-
 /// Everything that is known about a run.
 #[derive(Debug)]
 pub struct Report<'a> {
@@ -77,7 +49,7 @@ pub struct Report<'a> {
     pub counts: RayCounts,
     pub decoded_faces: usize,
     pub left_out: &'a [String],
-    pub sampling: Sampling,
+    pub sampling: SampleCounts,
     /// `None` where nothing is random, or too few samples were taken to tell.
     pub estimate: Option<ErrorEstimate>,
     pub true_error: Option<TrueError>,

@@ -44,7 +44,7 @@ impl Report<'_> {
                 "per_pixel_least": self.sampling.least,
                 "per_pixel_mean": self.sampling.mean(),
                 "per_pixel_most": self.sampling.most,
-                "waves": self.sampling.waves,
+                "passes": self.sampling.passes,
                 "target_error_levels": measure.target_error,
                 "target_error_reached": measure.target_error.map(|target| self.is_below(target)),
                 "time_limit_seconds": measure.time_limit,

@@ -84,7 +84,7 @@ impl Allocation {
             return false;
         }
         let old = self.scale;
-        // At least a little more, so that every wave is worth its overhead, and at most as much more as what is known
+        // At least a little more, so that every pass is worth its overhead, and at most as much more as what is known
         // about the error bears.
         let (mut low, mut high) = if old == 0.0 { (1e-6, 1e6) } else { (1.2 * old, 16.0 * old) };
         for _ in 0..40 {

@@ -172,7 +172,7 @@ impl Studio {
         impl a2::render::Progress for Silent {
             fn advance(&self, _: usize, _: usize) {}
         }
-        a2::render::render(&self.scene, &self.plan, &self.request, &Silent).film
+        a2::render::render_uniform(&self.scene, &self.plan, &self.request, &Silent).film
     }
 }
 

@@ -1,0 +1,60 @@
+//! [`Preview`]: a coarse picture, so that there is a whole one whenever the time is over.
+
+use super::pixel::Pixel;
+use super::rays::RayMaker;
+use super::samples::SamplePattern;
+use super::trace::Tracer;
+use crate::camera::Places;
+use crate::objects::run::Rays;
+use crate::options::{Options, SamplerKind};
+use crate::plan::Plan;
+use crate::ray_counts::RayCounts;
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+/// A few pixels, evenly spread.
+pub struct Preview {
+    /// Pixels of the picture between its pixels.
+    step: u32,
+    rows: Vec<Vec<Pixel>>,
+    pub counts: RayCounts,
+}
+
+impl Preview {
+    /// Takes one sample, of this set, in every so many pixels.
+    pub fn render(scene: &Scene, plan: &Plan, options: &Options, maker: &RayMaker, set: u32) -> Self {
+        let step = step(options.width, options.height);
+        let columns = options.width.div_ceil(step);
+        let pattern = SamplePattern::new(SamplerKind::Independent, 1);
+        let middle = |start: u32, end: u32| (start + step / 2).min(end - 1);
+        let row = |row: u32| {
+            let (mut places, mut rays) = (Places::default(), Rays::default());
+            for column in 0..columns {
+                let pixel = (middle(column * step, options.width), middle(row * step, options.height));
+                let set = pattern.set(pixel, set, options.seed);
+                places.push(maker.place_of_sample(pixel, &set, 0));
+            }
+            maker.make_rays(&places, &mut rays);
+            let (mut tracer, mut seen) = (Tracer::new(scene, plan), Vec::new());
+            tracer.see(&rays, &mut seen);
+            let pixels: Vec<Pixel> = seen.iter().map(|seen| maker.displayed(seen).sanitized()).collect();
+            (pixels, tracer.counts)
+        };
+        let rows: Vec<_> = (0..options.height.div_ceil(step)).into_par_iter().map(row).collect();
+        let mut counts = RayCounts::default();
+        rows.iter().for_each(|row| counts += row.1);
+        Self { step, rows: rows.into_iter().map(|row| row.0).collect(), counts }
+    }
+
+    /// What it shows in place of a pixel of the picture.
+    pub fn pixel(&self, (x, row): (u32, u32)) -> Pixel {
+        self.rows[(row / self.step) as usize][(x / self.step) as usize]
+    }
+}
+
+/// Every how many pixels along each side one is traced: so few in all that they take no time, whatever the picture's size.
+fn step(width: u32, height: u32) -> u32 {
+    const MOST_PIXELS: u64 = 4096;
+    let pixels = u64::from(width) * u64::from(height);
+    (pixels.div_ceil(MOST_PIXELS).isqrt() as u32 + 1).max(4)
+}

@@ -1,0 +1,32 @@
+//! [`SampleCounts`]: how many samples the pixels of a picture got.
+
+/// How many samples the pixels of a picture got.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SampleCounts {
+    pub pixels: u64,
+    pub total: u64,
+    /// In any pixel; `None` without pixels.
+    pub least: Option<u32>,
+    pub most: u32,
+    /// Passes over the picture; 0 where the number of samples was known before.
+    pub passes: u32,
+}
+
+impl SampleCounts {
+    /// The same number in every pixel.
+    pub fn even(pixels: u64, samples: u32) -> Self {
+        Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, passes: 0 }
+    }
+
+    pub fn add_pixel(&mut self, samples: u32) {
+        self.pixels += 1;
+        self.total += u64::from(samples);
+        self.least = Some(self.least.map_or(samples, |least| least.min(samples)));
+        self.most = self.most.max(samples);
+    }
+
+    /// Samples a pixel.
+    pub fn mean(&self) -> f64 {
+        self.total as f64 / self.pixels.max(1) as f64
+    }
+}

@@ -1,0 +1,105 @@
+//! [`TileSamples`]: the samples of a tile while their number is being found out.
+
+use super::error_estimate::ErrorSums;
+use super::pixel::Pixel;
+use super::tiles::Tile;
+use super::trace::Seen;
+use crate::plan::Plan;
+use crate::ray_counts::RayCounts;
+use std::ops::Range;
+use vecmath::{Real, Vector3};
+
+/// Sums over the samples of each pixel of a tile, in two halves that are independent of each other.
+pub struct TileSamples {
+    pub tile: Tile,
+    /// Samples in each half, a pixel.
+    pub samples: Vec<u32>,
+    /// Sums of colours in each half, a pixel; empty unless colours are asked for.
+    colors: Vec<[Vector3; 2]>,
+    /// Sums of the rest over both halves, a pixel; empty unless depths or normals are asked for.
+    others: Vec<Pixel>,
+    pub counts: RayCounts,
+}
+
+/// Samples that a pixel is to get.
+pub struct Wanted {
+    /// In the tile.
+    pub index: usize,
+    /// Column and row in the picture.
+    pub pixel: (u32, u32),
+    /// Their numbers in each half.
+    pub samples: Range<u32>,
+}
+
+impl TileSamples {
+    pub fn new(tile: Tile, plan: &Plan) -> Self {
+        let pixels = (tile.width * tile.height) as usize;
+        let with_others = plan.depth || plan.normals;
+        Self {
+            tile,
+            samples: vec![0; pixels],
+            colors: vec![[Vector3::ZERO; 2]; if plan.color { pixels } else { 0 }],
+            others: vec![Pixel::default(); if with_others { pixels } else { 0 }],
+            counts: RayCounts::default(),
+        }
+    }
+
+    /// The pixels that have fewer samples in each half than `goal` says.
+    pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32) -> Vec<Wanted> {
+        let wanted =
+            |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples[index]..goal(pixel) };
+        self.tile.pixels().enumerate().map(wanted).filter(|wanted| !wanted.samples.is_empty()).collect()
+    }
+
+    /// Adds samples to both halves of a pixel.
+    pub fn add(&mut self, index: usize, halves: [&[Seen]; 2], displayed: impl Fn(&Seen) -> Pixel) {
+        self.samples[index] += halves[0].len() as u32;
+        for (half, seen) in halves.into_iter().enumerate() {
+            for pixel in seen.iter().map(&displayed) {
+                if let Some(colors) = self.colors.get_mut(index) {
+                    colors[half] += pixel.color;
+                }
+                if let Some(others) = self.others.get_mut(index) {
+                    others.depth += pixel.depth;
+                    others.normal += pixel.normal;
+                }
+            }
+        }
+    }
+
+    /// The mean of all samples of a pixel.
+    pub fn mean(&self, index: usize) -> Pixel {
+        let mut mean = Pixel::default();
+        let samples = 2.0 * self.samples[index] as Real;
+        if let Some(others) = self.others.get(index) {
+            mean = Pixel { depth: others.depth / samples, normal: others.normal / samples, ..mean };
+        }
+        if !self.colors.is_empty() {
+            let [first, second] = self.halves(index);
+            mean.color = (first + second) * 0.5;
+        }
+        mean
+    }
+
+    /// The mean colours of both halves.
+    fn halves(&self, index: usize) -> [Vector3; 2] {
+        self.colors[index].map(|sum| sum / self.samples[index] as Real)
+    }
+
+    /// The errors of the pixels that have samples.
+    pub fn errors(&self) -> ErrorSums {
+        let mut sums = ErrorSums::default();
+        for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
+            sums.add_halves(self.halves(index));
+        }
+        sums
+    }
+
+    /// The standard errors of all pixels in levels, the largest level where there are no samples.
+    pub fn pixel_errors(&self) -> impl Iterator<Item = f64> {
+        (0..self.samples.len()).map(|index| match self.samples[index] {
+            0 => 255.0,
+            _ => ErrorSums::default().add_halves(self.halves(index)),
+        })
+    }
+}

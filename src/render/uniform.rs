@@ -1,0 +1,207 @@
+//! Renders all pixels with the same number of samples each, tile by tile, over all threads.
+
+use super::error_estimate::ErrorSums;
+use super::pixel::{Pixel, average, filtered, store};
+use super::rays::{RayMaker, SetSizes};
+use super::tiles::{Progress, Tile, decode_faces_ahead};
+use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
+use super::{Frame, SampleCounts};
+use crate::camera::Places;
+use crate::film::{Film, Planes};
+use crate::objects::run::{RUN, Rays};
+use crate::options::Options;
+use crate::plan::Plan;
+use crate::ray_counts::RayCounts;
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
+pub const RAYS_AT_ONCE: usize = RUNS_AT_ONCE * RUN;
+
+/// Renders what `plan` asks for. Every pixel is a function of its place alone, so that threads change nothing.
+pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
+    let tiles = Tile::all(options.width, options.height);
+    decode_faces_ahead(scene, plan, options);
+    let film = Film::new(options.width, options.height, Planes::wanted_by(options));
+    let picture = Mutex::new(Picture { film, counts: RayCounts::default(), filter: Duration::ZERO, tiles: 0 });
+    let errors: Vec<ErrorSums> = tiles
+        .par_iter()
+        .map_init(
+            || TileRenderer::new(scene, plan, options),
+            |renderer, tile| {
+                let rendered = renderer.render(tile);
+                // A poisoned lock means that another thread has panicked, and that panic is on its way up.
+                if let Ok(mut picture) = picture.lock() {
+                    picture.add(tile, &rendered);
+                    progress.advance(picture.tiles, tiles.len());
+                }
+                rendered.errors
+            },
+        )
+        .collect();
+    let Picture { film, counts, filter, .. } = picture.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    Frame {
+        film,
+        counts,
+        samples: SampleCounts::even(pixels, options.samples() * options.grid_pixels()),
+        estimate: ErrorSums::total(&errors).estimate(),
+        filter,
+    }
+}
+
+/// The picture in the making.
+struct Picture {
+    film: Film,
+    counts: RayCounts,
+    filter: Duration,
+    /// How many are finished.
+    tiles: usize,
+}
+
+impl Picture {
+    fn add(&mut self, tile: &Tile, rendered: &RenderedTile) {
+        self.film.place(tile.x, tile.row, &rendered.film);
+        self.counts += rendered.counts;
+        self.filter += rendered.filter;
+        self.tiles += 1;
+    }
+}
+
+/// A finished tile.
+struct RenderedTile {
+    film: Film,
+    counts: RayCounts,
+    errors: ErrorSums,
+    /// Time spent on turning samples into pixels, if it is measured.
+    filter: Duration,
+}
+
+/// Turns the pixels of tiles into rays, and what the rays see into pixels.
+struct TileRenderer<'a> {
+    tracer: Tracer<'a>,
+    maker: RayMaker<'a>,
+    options: &'a Options,
+    sizes: SetSizes,
+    planes: Planes,
+    errors: ErrorSums,
+    /// Standard errors of the tile's pixels so far, in levels; empty unless there is to be a picture of them.
+    pixel_errors: Vec<f64>,
+    filter: Duration,
+    /// Scratch: rays on their way, and what they saw.
+    places: Places,
+    rays: Rays,
+    seen: Vec<Seen>,
+}
+
+impl<'a> TileRenderer<'a> {
+    fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options) -> Self {
+        let sizes = SetSizes::new(options);
+        Self {
+            tracer: Tracer::new(scene, plan),
+            maker: RayMaker::new(scene, options, &sizes),
+            options,
+            sizes,
+            planes: Planes::wanted_by(options),
+            errors: ErrorSums::default(),
+            pixel_errors: Vec::new(),
+            filter: Duration::ZERO,
+            places: Places::default(),
+            rays: Rays::default(),
+            seen: Vec::new(),
+        }
+    }
+
+    fn render(&mut self, tile: &Tile) -> RenderedTile {
+        let places: Vec<_> = tile.pixels().collect();
+        let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
+        let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
+        let mut pixels = Vec::with_capacity(places.len());
+        places.chunks(pixels_at_once).for_each(|places| self.resolve(places, &mut pixels));
+        let mut film = Film::new(tile.width, tile.height, self.planes);
+        store(&pixels, &mut film);
+        film.set_errors(self.pixel_errors.drain(..));
+        RenderedTile {
+            film,
+            counts: std::mem::take(&mut self.tracer.counts),
+            errors: std::mem::take(&mut self.errors),
+            filter: std::mem::take(&mut self.filter),
+        }
+    }
+
+    /// Adds some pixels of the picture to `resolved`.
+    fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) {
+        self.places.clear();
+        for &(x, row) in pixels {
+            if self.options.filter {
+                (0..9).for_each(|part| {
+                    self.maker.add_places((3 * x + part % 3, 3 * row + part / 3), &mut self.places);
+                });
+            } else {
+                self.maker.add_places((x, row), &mut self.places);
+            }
+        }
+        self.maker.make_rays(&self.places, &mut self.rays);
+        self.tracer.see(&self.rays, &mut self.seen);
+        let start = self.options.measure.wants_times().then(Instant::now);
+        let rays_a_pixel = self.seen.len() / pixels.len();
+        let seen = std::mem::take(&mut self.seen);
+        if rays_a_pixel == 1 && !self.options.jitter {
+            let first = resolved.len();
+            resolved.resize(first + seen.len(), Pixel::default());
+            // In place: a pixel is large, and copied more slowly than it is made.
+            resolved[first..].iter_mut().zip(&seen).for_each(|(pixel, seen)| self.maker.display(seen, pixel));
+        } else {
+            resolved.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
+        }
+        self.seen = seen;
+        self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
+    }
+
+    /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
+    /// of the traced grid, with `-filter` the filtered block of those.
+    fn resolved(&mut self, seen: &[Seen]) -> Pixel {
+        match self.sizes {
+            SetSizes::One(samples) => self.mean_of(seen, 0..samples as usize),
+            SetSizes::Halves(first, second) => {
+                let (first, second) = (first as usize, second as usize);
+                let halves = [self.mean_of(seen, 0..first), self.mean_of(seen, first..first + second)];
+                let levels = self.errors.add_halves(halves.map(|half| half.color));
+                self.note_error(levels);
+                average(halves.into_iter(), 2)
+            }
+            SetSizes::Singles(samples) => {
+                let mean = self.mean_of(seen, 0..samples as usize);
+                let mut deviations = [0.0; 3];
+                for sample in 0..samples as usize {
+                    let difference = self.mean_of(seen, sample..sample + 1).color - mean.color;
+                    for (sum, difference) in deviations.iter_mut().zip(difference.to_array()) {
+                        *sum += (difference as f64).powi(2);
+                    }
+                }
+                let levels = self.errors.add(mean.color, deviations, samples);
+                self.note_error(levels);
+                mean
+            }
+        }
+    }
+
+    fn note_error(&mut self, levels: f64) {
+        if self.options.measure.error_map.is_some() {
+            self.pixel_errors.push(levels);
+        }
+    }
+
+    /// The mean of some of the samples of each pixel of the traced grid, filtered.
+    fn mean_of(&self, seen: &[Seen], samples: Range<usize>) -> Pixel {
+        let count = samples.len() as u32;
+        let mut grid_pixels = seen.chunks(self.options.samples() as usize).map(|all| {
+            let samples = all[samples.clone()].iter().map(|seen| self.maker.displayed(seen).sanitized());
+            average(samples, count)
+        });
+        if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
+    }
+}
