@@ -67,6 +67,13 @@ fn processor_time() -> Duration {
     Duration::ZERO
 }
 
+/// Does something, and measures it.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Times) {
+    let watch = Stopwatch::start();
+    let result = work();
+    (result, watch.times())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,13 +2,13 @@
 
 mod support;
 
-use a2::Rendered;
 use a2::args::{Request, parse};
+use a2::measure::Report;
 use std::ffi::OsString;
 use support::{Folder, SCENE, project};
 
 /// Renders in memory.
-fn rendered(input: &str, arguments: &str) -> Rendered {
+fn rendered(input: &str, arguments: &str) -> Report {
     let argv = format!("-input {input} -size 20 20 -quiet {arguments}");
     match parse(argv.split_whitespace().map(OsString::from)) {
         Ok(Request::Render(args)) => a2::render_scene(&args).unwrap(),
@@ -23,20 +23,23 @@ fn own(name: &str) -> String {
 #[test]
 fn only_the_pictures_that_are_asked_for_are_stored() {
     let rendered = rendered(&own("scene01_plane.txt"), "-depth 8 18 d.png -shadows -bounces 3");
-    assert!(rendered.film.color.is_none() && rendered.film.normals.is_none());
-    assert_eq!(rendered.film.depth.map(|plane| plane.len()), Some(400));
-    assert_eq!((rendered.counts.camera, rendered.counts.shadow, rendered.counts.mirror), (400, 0, 0));
+    assert!(rendered.frame.film.color.is_none() && rendered.frame.film.normals.is_none());
+    assert_eq!(rendered.frame.film.depth.map(|plane| plane.len()), Some(400));
+    assert_eq!(
+        (rendered.frame.counts.camera, rendered.frame.counts.shadow, rendered.frame.counts.mirror),
+        (400, 0, 0)
+    );
 }
 
 #[test]
 fn no_ray_is_traced_that_no_flag_asks_for() {
-    let plain = rendered(&own("scene01_plane.txt"), "-output o.png").counts;
+    let plain = rendered(&own("scene01_plane.txt"), "-output o.png").frame.counts;
     assert_eq!((plain.camera, plain.shadow, plain.mirror), (400, 0, 0));
-    let shadows = rendered(&own("scene01_plane.txt"), "-output o.png -shadows").counts;
+    let shadows = rendered(&own("scene01_plane.txt"), "-output o.png -shadows").frame.counts;
     assert!(shadows.shadow > 0 && shadows.mirror == 0);
     // The plane, the red sphere: specular 1 1 1.
-    assert!(rendered(&own("scene01_plane.txt"), "-output o.png -bounces 1").counts.mirror > 0);
-    assert_eq!(rendered(&own("scene04_axes.txt"), "-output o.png -bounces 9").counts.mirror, 0);
+    assert!(rendered(&own("scene01_plane.txt"), "-output o.png -bounces 1").frame.counts.mirror > 0);
+    assert_eq!(rendered(&own("scene04_axes.txt"), "-output o.png -bounces 9").frame.counts.mirror, 0);
 }
 
 #[test]
@@ -44,11 +47,11 @@ fn a_light_that_adds_nothing_gets_no_shadow_ray() {
     // Seen from the front and lit from behind, without highlight.
     let folder = Folder::new();
     folder.write("s.txt", SCENE.replace("direction 0 0 -1 color 1 1 1", "direction 0 0 1 color 1 1 1"));
-    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").counts;
+    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").frame.counts;
     assert!(counts.shadow == 0 && counts.shadow_left_out > 0, "{counts:?}");
     // A light without colour is no light at all.
     folder.write("s.txt", SCENE.replace("color 1 1 1", "color 0 0 0"));
-    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").counts;
+    let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").frame.counts;
     assert_eq!((counts.shadow, counts.shadow_left_out), (0, 0));
 }
 
@@ -110,6 +113,6 @@ fn deep_recursion_stops_when_nothing_can_change_any_more() {
              Plane { normal 0 0 1 offset 0 } Plane { normal 0 0 -1 offset -2 } }",
     );
     let input = folder.path("s.txt").display().to_string();
-    let counts = rendered(&input, "-output o.png -bounces 100000").counts;
+    let counts = rendered(&input, "-output o.png -bounces 100000").frame.counts;
     assert!((40..100).contains(&(counts.mirror / counts.camera)), "{counts:?}");
 }

@@ -5,6 +5,7 @@
 //! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
 
 use a2::args::Request;
+use a2::measure::Report;
 use a2::options::Options;
 use std::ffi::OsString;
 use std::path::Path;
@@ -34,13 +35,13 @@ fn arguments(scene: &str, flags: &str) -> Options {
     }
 }
 
-fn rendered(args: &Options) -> a2::Rendered {
+fn rendered(args: &Options) -> Report {
     a2::render_scene(args).unwrap()
 }
 
 /// Colours of a picture, as numbers.
 fn colors(args: &Options) -> Vec<f64> {
-    rendered(args).film.linear.unwrap().into_iter().map(f64::from).collect()
+    rendered(args).frame.film.linear.unwrap().into_iter().map(f64::from).collect()
 }
 
 /// Mean and variance of many pictures with different seeds, value by value.
@@ -203,8 +204,8 @@ fn honesty(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Honesty {
     let mut honesty = Honesty::default();
     for seed in 0..seeds {
         let run = rendered(&Options { seed, ..arguments(scene, flags) });
-        let estimate = run.estimate.unwrap();
-        let colors: Vec<f64> = run.film.linear.unwrap().into_iter().map(f64::from).collect();
+        let estimate = run.frame.estimate.unwrap();
+        let colors: Vec<f64> = run.frame.film.linear.unwrap().into_iter().map(f64::from).collect();
         let linear = mean_square(&colors, truth).sqrt();
         let levels = 255.0 * mean_square(&shown(&colors), &shown(truth)).sqrt();
         honesty.runs += 1;
@@ -259,7 +260,8 @@ fn the_stated_error_is_honest() {
 /// An interval that is always right says nothing.
 #[test]
 fn the_stated_interval_is_narrow() {
-    let estimate = rendered(&arguments(SCENES[3], "-size 64 64 -stats -samples 16")).estimate.unwrap().levels;
+    let estimate =
+        rendered(&arguments(SCENES[3], "-size 64 64 -stats -samples 16")).frame.estimate.unwrap().levels;
     assert!(estimate.low > 0.75 * estimate.rmse && estimate.high < 1.25 * estimate.rmse, "{estimate:?}");
 }
 
@@ -278,13 +280,17 @@ fn a_target_error_is_reached_and_flat_pixels_stop_early() {
     for scene in SCENES {
         let args = arguments(scene, "-size 32 32 -target-error 2");
         let run = rendered(&args);
-        assert!(run.estimate.unwrap().levels.rmse <= 2.0, "{scene}");
-        let (least, most) = (run.sampling.least.unwrap(), run.sampling.most);
-        assert!(f64::from(least) < run.sampling.mean() && most >= 4 * least, "{scene}: {:?}", run.sampling);
+        assert!(run.frame.estimate.unwrap().levels.rmse <= 2.0, "{scene}");
+        let (least, most) = (run.frame.samples.least.unwrap(), run.frame.samples.most);
+        assert!(
+            f64::from(least) < run.frame.samples.mean() && most >= 4 * least,
+            "{scene}: {:?}",
+            run.frame.samples
+        );
     }
     // No edges, no variance: nothing beyond the first look.
     let flat = rendered(&arguments("scene01_plane.txt", "-size 1 1 -target-error 1"));
-    assert!(flat.sampling.most <= 2, "{:?}", flat.sampling);
+    assert!(flat.frame.samples.most <= 2, "{:?}", flat.frame.samples);
 }
 
 #[test]
@@ -292,7 +298,7 @@ fn adaptive_pictures_are_the_same_at_every_thread_count() {
     let args = arguments(SCENES[6], "-size 40 40 -target-error 2 -filter -normals n.png -depth 8 18 d.png");
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let film = pool.install(|| rendered(&args)).film;
+        let film = pool.install(|| rendered(&args)).frame.film;
         (film.color, film.normals, film.depth)
     };
     assert!(with_threads(1) == with_threads(3));
@@ -303,7 +309,7 @@ fn a_time_limit_leaves_a_whole_picture() {
     let folder = tempfile::tempdir().unwrap();
     for scene in SCENES {
         let limited = arguments(scene, "-size 400 400");
-        let plain = rendered(&limited).film.color.unwrap();
+        let plain = rendered(&limited).frame.film.color.unwrap();
         let picture = folder.path().join("o.png");
         let line = format!("{} -size 400 400 -time-limit 0.2 -quiet -output", limited.input.display());
         let flags = scene.split(' ').skip(1);

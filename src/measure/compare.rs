@@ -77,13 +77,13 @@ pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
 ///
 /// # Errors
 /// [`Error::File`] when a picture cannot be read or the sizes differ.
-pub fn compare_files(args: &CompareOptions) -> Result<Comparison, Error> {
-    let (a, b) = (read_rgb(&args.a)?, read_rgb(&args.b)?);
+pub fn compare_files(options: &CompareOptions) -> Result<Comparison, Error> {
+    let (a, b) = (read_rgb(&options.a)?, read_rgb(&options.b)?);
     if a.dimensions() != b.dimensions() {
         let size = |picture: &RgbImage| format!("{} x {}", picture.width(), picture.height());
-        return Err(Error::file(&args.b, format!("is {} pixels, the other picture {}", size(&b), size(&a))));
+        return Err(Error::file(&options.b, format!("is {} pixels, the other picture {}", size(&b), size(&a))));
     }
-    if let Some(path) = &args.diff {
+    if let Some(path) = &options.diff {
         write_png(path, a.width(), a.height(), &difference_picture(&a, &b))?;
     }
     Ok(Comparison::new(&a, &b))

@@ -10,7 +10,7 @@ use crate::plan::Plan;
 use crate::render::error_estimate::ErrorEstimate;
 use crate::render::{Frame, Progress, render_uniform};
 use crate::scene::Scene;
-use crate::timing::{Stopwatch, Times};
+use crate::timing::{Times, timed};
 use std::fmt::Write as _;
 
 /// A line of the table.
@@ -29,33 +29,32 @@ pub struct Point {
 pub fn render_doubling(
     scene: &Scene,
     plan: &Plan,
-    args: &Options,
+    options: &Options,
     reference: Option<&Reference>,
     progress: &dyn Progress,
 ) -> (Frame, Vec<Point>) {
     let mut points = Vec::new();
-    let mut current = args.clone();
+    let mut current = options.clone();
     let mut samples = 1;
     loop {
         current.measure.samples = Some(samples);
-        let watch = Stopwatch::start();
-        let frame = render_uniform(scene, plan, &current, progress);
+        let (frame, times) = timed(|| render_uniform(scene, plan, &current, progress));
         points.push(Point {
             samples,
-            times: watch.times(),
+            times,
             rays: frame.counts.total(),
             estimate: frame.estimate,
             true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
         });
-        if samples == args.samples() {
+        if samples == options.samples() {
             return (frame, points);
         }
-        samples = (2 * samples).min(args.samples());
+        samples = (2 * samples).min(options.samples());
     }
 }
 
 /// The points as CSV; what is not known is empty.
-pub fn csv(args: &Options, points: &[Point]) -> String {
+pub fn csv(options: &Options, points: &[Point]) -> String {
     let mut text = "sampler,samples,seconds,cpu_seconds,rays,estimated_rmse_levels,estimated_low_95,\
                     estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_ssim\n"
         .to_owned();
@@ -63,7 +62,7 @@ pub fn csv(args: &Options, points: &[Point]) -> String {
     for point in points {
         let (levels, linear) = (point.estimate.map(|e| e.levels), point.estimate.map(|e| e.linear));
         let fields = [
-            args.measure.sampler.name().to_owned(),
+            options.measure.sampler.name().to_owned(),
             point.samples.to_string(),
             point.times.wall.as_secs_f64().to_string(),
             point.times.cpu.as_secs_f64().to_string(),

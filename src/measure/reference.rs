@@ -7,7 +7,7 @@
 use super::compare::read_rgb;
 use crate::error::Error;
 use crate::film::{Film, NumberPicture, read_numbers, to_byte};
-use crate::options::has_extension;
+use crate::options::{Options, has_extension};
 use image::RgbImage;
 use image_compare::{Algorithm, rgb_similarity_structure};
 use std::fmt;
@@ -44,9 +44,18 @@ pub struct TrueError {
 }
 
 impl Reference {
+    /// Reads the reference that `options` name, if they do.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn wanted_by(options: &Options) -> Result<Option<Self>, Error> {
+        let path = options.measure.reference.as_ref();
+        path.map(|path| Self::read(path, options.width, options.height)).transpose()
+    }
+
     /// # Errors
     /// [`Error::File`] when it cannot be read or its size is another one.
-    pub fn read(path: &Path, width: u32, height: u32) -> Result<Self, Error> {
+    fn read(path: &Path, width: u32, height: u32) -> Result<Self, Error> {
         let is_bytes = has_extension(path, "png");
         let picture = if is_bytes {
             let picture = read_rgb(path)?;

@@ -12,7 +12,7 @@ use crate::light::Light;
 use crate::objects::{Mesh, Object, Placement, Shape};
 use crate::plan::Plan;
 use crate::scene_file::{At, Description, Leaf, LeafShape, Node, TransformStep};
-use crate::timing::{Stopwatch, Times};
+use crate::timing::{Times, timed};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,13 +53,13 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
     flattened.add(&description.root, None)?;
     let Flattened { objects, mut meshes, hints, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
-    let watch = Stopwatch::start();
-    for mesh in &mut meshes {
-        mesh.build_tree();
-        mesh.set_level(plan.simd);
-    }
-    let accelerator = Accelerator::with_level(&objects, plan.simd);
-    let build = watch.times();
+    let (accelerator, build) = timed(|| {
+        for mesh in &mut meshes {
+            mesh.build_tree();
+            mesh.set_level(plan.simd);
+        }
+        Accelerator::with_level(&objects, plan.simd)
+    });
     let scene = Scene {
         camera,
         lights,

@@ -14,6 +14,7 @@ pub use mesh_file::parse_mesh;
 use crate::accel::Accelerator;
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;
+use crate::error::Error;
 use crate::light::Light;
 use crate::material::Material;
 use crate::objects::{Mesh, Object};
@@ -24,6 +25,18 @@ use vecmath::Vector3;
 pub struct Background {
     pub color: Vector3,
     pub cube_map: Option<CubeMap>,
+}
+
+impl Background {
+    /// How many faces of the cube map rays have reached and decoded.
+    ///
+    /// # Errors
+    /// [`Error::File`] for the first face that could not be decoded.
+    pub fn decoded_faces(&self) -> Result<usize, Error> {
+        let Some(cube_map) = &self.cube_map else { return Ok(0) };
+        cube_map.check_decoded_faces()?;
+        Ok(cube_map.decoded_faces())
+    }
 }
 
 /// Everything a ray can meet, ready to be met.
