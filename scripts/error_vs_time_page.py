@@ -182,7 +182,7 @@ Of the {len(inside)} points above that come with an estimate, {hits:.0%} have th
 interval (each scene's are measured against one reference, whose own error is in them).
 
 Over 100 seeds of every scene with every sampler, 16 samples a pixel, 50 x 50 pixels (an ignored test of
-tests/statistics.rs):
+tests/pictures/statistics.rs):
 """
         return text + ("\n" + path.read_text() if path.exists() else "")
 

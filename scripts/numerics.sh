@@ -28,9 +28,9 @@ fill() {
 }
 
 # --- cases ---
-A2_NUMERICS_TABLE="$PWD/$work/f64.tsv" cargo test --release --test extreme > "$work/f64.log"
+A2_NUMERICS_TABLE="$PWD/$work/f64.tsv" cargo test --release --test numerics -- --skip accel:: > "$work/f64.log"
 A2_NUMERICS_TABLE="$PWD/$work/f32.tsv" A2_NUMERICS_KEEP_GOING=1 \
-    cargo test --release --features f32 --target-dir target/f32 --test extreme --no-fail-fast > "$work/f32.log" 2>&1 || true
+    cargo test --release --features f32 --target-dir target/f32 --test numerics --no-fail-fast > "$work/f32.log" 2>&1 || true
 
 awk -F'\t' '
     function worst(seen, case, value) { if (!(case in seen) || value + 0 > seen[case] + 0 || value == "NaN") seen[case] = value }
@@ -130,5 +130,5 @@ picture "$double" far 3-ours -robust
 
 # --- the long run ---
 if [ "${1:-}" = --soak ]; then
-    cargo test --release --test extreme -- --ignored --nocapture soak | grep leaks | fill soak
+    cargo test --release --test numerics -- --ignored --nocapture soak | grep leaks | fill soak
 fi

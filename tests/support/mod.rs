@@ -1,6 +1,8 @@
 //! What several test files need: a fresh folder, the real binary, pictures.
 #![allow(dead_code)]
 
+// Written for `f64`, as the program is.
+#[cfg(not(feature = "f32"))]
 pub mod reference;
 
 use image::RgbImage;

@@ -1,9 +1,7 @@
 //! Broken files of every kind: an answer or one clear error, never a crash and never a half-written picture.
 
-mod support;
-
+use crate::support::{Folder, project};
 use std::process::Command;
-use support::{Folder, project};
 
 /// A small generator (xorshift64*), so that every run breaks the files in the same ways.
 struct Random(u64);

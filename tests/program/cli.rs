@@ -1,9 +1,7 @@
 //! The command line as a user meets it.
 
-mod support;
-
+use crate::support::{Folder, LIGHT, SCENE, TRIANGLE, middle};
 use std::process::Command;
-use support::{Folder, LIGHT, SCENE, TRIANGLE, middle};
 
 #[test]
 fn no_arguments_print_the_usage_and_exit_with_1() {
@@ -161,7 +159,7 @@ fn paths_are_relative_to_the_scene_and_may_be_any_text() {
     let folder = Folder::new();
     let scene = SCENE.replace(TRIANGLE, "TriangleMesh { obj_file modèles/carré.obj }");
     folder.write("tiefe Ordner/scène.txt", scene);
-    folder.write("tiefe Ordner/modèles/carré.obj", support::SQUARE_OBJ);
+    folder.write("tiefe Ordner/modèles/carré.obj", crate::support::SQUARE_OBJ);
     let run = folder.run(Command::new(env!("CARGO_BIN_EXE_a2")).args([
         "-input",
         "tiefe Ordner/scène.txt",

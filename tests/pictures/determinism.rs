@@ -1,8 +1,6 @@
 //! The same bytes from every run, however it is shared out.
 
-mod support;
-
-use support::{Folder, project};
+use crate::support::{Folder, project};
 
 fn scene(name: &str) -> String {
     project("data").join(name).display().to_string()

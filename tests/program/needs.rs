@@ -1,11 +1,9 @@
 //! A scene pays only for what it needs: what the plan leaves out is really not done.
 
-mod support;
-
+use crate::support::{Folder, SCENE, project};
 use a2::args::{Request, parse};
 use a2::measure::Report;
 use std::ffi::OsString;
-use support::{Folder, SCENE, project};
 
 /// Renders in memory.
 fn rendered(input: &str, arguments: &str) -> Report {

@@ -1,7 +1,7 @@
 //! What random samples promise: right in the mean, with any sampler and any number of them, and honest about their
 //! error.
 //!
-//! `cargo test --release --test statistics -- --ignored --nocapture` runs the long form of the test of honesty and
+//! `cargo test --release --test pictures -- --ignored --nocapture` runs the long form of the test of honesty and
 //! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
 
 use a2::args::Request;

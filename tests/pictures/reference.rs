@@ -1,11 +1,9 @@
 //! Scenes and arguments that the course has no pictures of, against a second renderer written straight from the
 //! formulas. The limits are those that hold against the course's own pictures.
 
-mod support;
-
+use crate::support::reference::{self, Flags};
+use crate::support::{Folder, project};
 use a2::measure::Comparison;
-use support::reference::{self, Flags};
-use support::{Folder, project};
 
 /// Renders a scene of the project's or a text both ways and holds the difference to the limits.
 fn compare(folder: &Folder, scene: &str, flags: Flags) {

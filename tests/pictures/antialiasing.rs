@@ -1,9 +1,7 @@
 //! `-jitter` and `-filter` against closed answers, and against statistics where the answer is random.
 
-mod support;
-
+use crate::support::{CAMERA_BLOCK, Folder};
 use image::RgbImage;
-use support::{CAMERA_BLOCK, Folder};
 
 /// Everything left of `x` in the plane z = 0 is white, all else is black.
 ///

@@ -1,8 +1,6 @@
 //! One bad scene each: where the mistake is found, and what is said about it.
 
-mod support;
-
-use support::{CAMERA_BLOCK, Folder};
+use crate::support::{CAMERA_BLOCK, Folder};
 
 /// Parses and compiles a scene that must be refused; returns the message.
 fn refusal(scene: &str) -> String {

@@ -1,8 +1,6 @@
 //! Statements about the starter that no picture of the course pins down, one test each.
 
-mod support;
-
-use support::{CAMERA_BLOCK, Folder, LIGHT, SCENE, middle};
+use crate::support::{CAMERA_BLOCK, Folder, LIGHT, SCENE, middle};
 
 /// A scene lit from the eye with materials 0 red, 1 green, 2 blue; the middle pixel looks along -z at the origin.
 fn scene(objects: &str) -> String {

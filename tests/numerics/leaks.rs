@@ -292,7 +292,7 @@ fn no_light_gets_through_a_thin_wall() {
     }
 }
 
-/// The long run: `cargo test --release --test extreme -- --ignored soak`, rays by `A2_SOAK_RAYS` (default 1e8).
+/// The long run: `cargo test --release --test numerics -- --ignored soak`, rays by `A2_SOAK_RAYS` (default 1e8).
 #[test]
 #[ignore = "takes minutes"]
 fn soak() {

@@ -1,12 +1,10 @@
 //! The course's batch of 21 pictures: over our own data against `sample_out/`, and where the environment variable
 //! `A2_STARTER` names the course's starter, over its data against its pictures.
 
-mod support;
-
+use crate::support::{Folder, picture, project};
 use a2::measure::Comparison;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use support::{Folder, picture, project};
 
 /// Scene, depth range, further flags: pictures a01, a02, ... in this order.
 const BATCH: [(&str, &str, &str); 7] = [

@@ -1,0 +1,12 @@
+//! The pixels: the course's pictures, a second renderer, single statements, samples, and the same bytes at every run.
+
+mod antialiasing;
+mod determinism;
+mod golden;
+#[cfg(not(feature = "f32"))]
+mod reference;
+mod runs;
+mod statements;
+mod statistics;
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,8 @@
+//! The program as a user meets it: the command line, mistakes in scenes, what is done and what is left out.
+
+mod cli;
+mod mutations;
+mod needs;
+mod parse_errors;
+#[path = "../support/mod.rs"]
+mod support;
