@@ -1,14 +1,12 @@
 //! [`Camera`]: from a place in the picture to a ray.
 
-use crate::accel::simd::{Lanes, Task};
 use crate::objects::Ray;
-use crate::objects::run::{Lanewise, Numbers, RUN, Rays, Runs, around};
 use vecmath::{Real, Vector3};
 
 /// A pinhole camera.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    center: Vector3,
+    pub(crate) center: Vector3,
     /// The view direction at the length at which the picture spans -1 to 1 along `horizontal` and `up`.
     forward: Vector3,
     /// Unit vector to the right.
@@ -46,35 +44,10 @@ impl Camera {
         Ray { origin: self.center, direction: self.direction(ndc).normalized() }
     }
 
-    /// The direction of that ray, of any length.
+    /// Returns the direction of that ray before it is normalised.
     #[inline(always)]
-    fn direction(&self, (ndc_x, ndc_y): (Real, Real)) -> Vector3 {
+    pub(crate) fn direction(&self, (ndc_x, ndc_y): (Real, Real)) -> Vector3 {
         self.forward + self.horizontal * ndc_x + self.up * ndc_y
-    }
-}
-
-/// The rays through places of a grid.
-pub struct CameraRays<'a> {
-    pub camera: &'a Camera,
-    pub grid: PixelGrid,
-    pub places: &'a Places,
-    pub rays: &'a mut Rays,
-}
-
-impl Task for CameraRays<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { camera, grid, places, rays } = self;
-        for ((places, mask), rays) in places.runs().zip(rays.resize(places.len())) {
-            for number in around(mask) {
-                let ndc = grid.ndc((places.x[number], places.y[number]));
-                rays.origin.set(number, camera.center);
-                rays.direction.set(number, camera.direction(ndc));
-            }
-            rays.direction.normalize(mask);
-        }
     }
 }
 
@@ -87,6 +60,9 @@ pub enum CameraError {
     UpAlongDirection,
 }
 
+/// A place in a grid of pixels: x to the right and y upward, in pixels.
+pub type Place = (Real, Real);
+
 /// The pixels of a picture as places for the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelGrid {
@@ -95,46 +71,24 @@ pub struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// The place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels: in
-    /// pixels, from the bottom left one.
+    /// Returns the place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels.
+    /// It is in pixels, from the bottom left one.
     #[inline(always)]
-    pub fn place(&self, (x, row): (u32, u32), (offset_x, offset_y): (Real, Real)) -> (Real, Real) {
+    pub fn place(&self, (x, row): (u32, u32), (offset_x, offset_y): (Real, Real)) -> Place {
         (x as Real + offset_x, (self.height - 1 - row) as Real + offset_y)
     }
 
-    /// A place as the camera knows it.
+    /// Takes a place to normalised device coordinates, from (-1, -1) at the bottom left to (1, 1) at the top right.
     ///
     /// The outermost pixels lie on the picture's border. A grid one pixel wide has its pixel in the middle and no
     /// width to move by.
     #[inline(always)]
-    pub fn ndc(&self, (x, y): (Real, Real)) -> (Real, Real) {
+    pub fn ndc(&self, (x, y): Place) -> (Real, Real) {
         let ndc = |place: Real, count: u32| match count {
             1 => 0.0,
             _ => 2.0 * place / (count - 1) as Real - 1.0,
         };
         (ndc(x, self.width), ndc(y, self.height))
-    }
-}
-
-/// Places in a grid.
-#[derive(Debug)]
-pub struct PlaceRun {
-    x: Numbers,
-    y: Numbers,
-}
-
-/// Any number of places in a grid.
-pub type Places = Runs<PlaceRun>;
-
-impl Lanewise for PlaceRun {
-    const NONE: Self = Self { x: [0.0; RUN], y: [0.0; RUN] };
-}
-
-impl Places {
-    #[inline]
-    pub fn push(&mut self, (x, y): (Real, Real)) {
-        let (run, number) = self.add();
-        (run.x[number], run.y[number]) = (x, y);
     }
 }
 

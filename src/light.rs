@@ -37,34 +37,58 @@ impl Light {
         }
     }
 
-    /// The colour, before it fades.
+    /// Returns the colour, before it fades.
     pub fn color(&self) -> Vector3 {
         match *self {
             Self::Directional { color, .. } | Self::Point { color, .. } => color,
         }
     }
 
-    /// Whether the light is infinite everywhere: a point light that does not fade.
+    /// Returns whether the light is infinite everywhere: a point light that does not fade.
     pub fn is_infinite(&self) -> bool {
         matches!(self, Self::Point { falloff: 0.0, .. })
     }
 
-    /// The most light that can fall on a point, in any component; `None` if there is no bound, as near a point light.
+    /// Returns the most light that can fall on a point, in any component; `None` if there is no bound, as near a point
+    /// light.
     pub fn max_radiance(&self) -> Option<Real> {
         match self {
             Self::Directional { color, .. } => Some(color.max_abs()),
             Self::Point { .. } => None,
         }
     }
+
+    /// Illuminates many points: calls `lit` with each index and the light at `point` of it. The choice of the formula
+    /// stands outside the loops, so that they vectorise.
+    #[inline(always)]
+    pub fn illuminate_each(
+        &self,
+        indices: std::ops::Range<usize>,
+        point: impl Fn(usize) -> Vector3,
+        mut lit: impl FnMut(usize, Illumination),
+    ) {
+        match *self {
+            Self::Directional { to_light, color } => {
+                for index in indices {
+                    lit(index, from_direction(to_light, color));
+                }
+            }
+            Self::Point { position, color, falloff } => {
+                for index in indices {
+                    lit(index, from_point(position, color, falloff, point(index)));
+                }
+            }
+        }
+    }
 }
 
 #[inline(always)]
-pub fn from_direction(to_light: Vector3, color: Vector3) -> Illumination {
+fn from_direction(to_light: Vector3, color: Vector3) -> Illumination {
     Illumination { to_light, distance: Real::INFINITY, intensity: color }
 }
 
 #[inline(always)]
-pub fn from_point(position: Vector3, color: Vector3, falloff: Real, point: Vector3) -> Illumination {
+fn from_point(position: Vector3, color: Vector3, falloff: Real, point: Vector3) -> Illumination {
     let offset = position - point;
     let distance = offset.length();
     // A light is not lit by itself: from its own place it has no direction.

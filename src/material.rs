@@ -1,7 +1,6 @@
 //! [`Material`]: the Phong reflection model.
 
 use crate::light::Illumination;
-use crate::objects::run::{Numbers, RUN, around, numbers_in};
 use vecmath::{Real, Vector3};
 
 /// How a surface answers light.
@@ -49,8 +48,8 @@ pub fn mirrored(direction: Vector3, normal: Vector3) -> Vector3 {
 /// Powers up to this are multiplied out.
 const LARGEST_MULTIPLIED_OUT: Real = 1024.0;
 
-/// The exponent, if it is a whole number to be multiplied out.
-fn whole(exponent: Real) -> Option<u32> {
+/// Returns the exponent as a whole number, if it is one that is multiplied out.
+pub(crate) fn whole_exponent(exponent: Real) -> Option<u32> {
     let bits = exponent as u32;
     let is_whole = (0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) && Real::from(bits as f32) == exponent;
     is_whole.then_some(bits)
@@ -60,8 +59,8 @@ fn whole(exponent: Real) -> Option<u32> {
 ///
 /// Whole exponents, which is what scenes use, are multiplied out by squaring: several times faster than the general
 /// function, and within `exponent` rounding units of it.
-fn power(base: Real, exponent: Real) -> Real {
-    let Some(mut bits) = whole(exponent) else {
+pub(crate) fn power(base: Real, exponent: Real) -> Real {
+    let Some(mut bits) = whole_exponent(exponent) else {
         // libm gives the same bits on every machine.
         return libm::pow(base as f64, exponent as f64) as Real;
     };
@@ -74,38 +73,6 @@ fn power(base: Real, exponent: Real) -> Real {
         bits >>= 1;
     }
     result
-}
-
-/// Replaces the bases of a mask by their [`power`]s, each with its exponent.
-#[inline(always)]
-pub fn powers(bases: &mut Numbers, exponents: &Numbers, mask: u64) {
-    let exponent = exponents[mask.trailing_zeros() as usize % RUN];
-    let mut is_common = true;
-    for number in numbers_in(mask) {
-        is_common &= exponents[number] == exponent;
-    }
-    let (Some(mut bits), true) = (whole(exponent), is_common) else {
-        for number in numbers_in(mask) {
-            bases[number] = power(bases[number], exponents[number]);
-        }
-        return;
-    };
-    // The loops of `power`, turned inside out.
-    let mut squares = *bases;
-    *bases = [1.0; RUN];
-    while bits > 0 {
-        if bits & 1 == 1 {
-            for number in around(mask) {
-                bases[number] *= squares[number];
-            }
-        }
-        bits >>= 1;
-        if bits > 0 {
-            for number in around(mask) {
-                squares[number] *= squares[number];
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl Aabb {
         self.min.max_abs().max(self.max.max_abs())
     }
 
-    /// The same by axes.
+    /// Returns the largest distance of a point of the box from the origin, axis by axis.
     pub fn corner_reach(&self) -> Vector3 {
         self.min.map(Real::abs).max(self.max.map(Real::abs))
     }
@@ -65,8 +65,8 @@ impl Aabb {
         }))
     }
 
-    /// Where the ray enters the box grown by `margin`, if it meets it at a t from 0 to `t_max`; t = 0 for a ray from
-    /// inside.
+    /// Returns where the ray enters the box, grown by `margin`, if that is at a t from 0 to `t_max`. A ray that starts
+    /// inside enters at 0.
     ///
     /// Never misses a box that the exact ray meets. NaN (0 * infinity: a ray in the plane of a face) counts as met.
     #[inline(always)]
@@ -75,14 +75,14 @@ impl Aabb {
         meets.then_some(near)
     }
 
-    /// Whether there is an [`entry`](Self::entry), and where; without branches, for many rays at once.
+    /// Returns whether there is an [`entry`](Self::entry), and where. It has no branches: loops over rays vectorise.
     #[inline(always)]
-    pub fn meets(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> (bool, Real) {
-        // What takes least for one ray, not to guess, is not what takes least for several: these choose anyway.
+    pub fn entry_branchless(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> (bool, Real) {
+        // One ray is fastest without a branch; in a loop over several, a select is one instruction anyway.
         self.interval(ray, margin, t_max, |so, a, b| if so { (b, a) } else { (a, b) })
     }
 
-    /// The common formula; `swapped_if` swaps two numbers, or not.
+    /// The slab test that both share; `swapped_if` swaps two numbers if its first argument is true.
     #[inline(always)]
     fn interval(
         &self,

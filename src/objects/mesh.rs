@@ -1,9 +1,7 @@
 //! [`Mesh`]: the triangles of an OBJ file, smoothly shaded.
 
+use super::Aabb;
 use super::triangle::face_normal;
-use super::{Aabb, PreparedRay, TriangleHit, triangle_hit};
-use crate::accel::TriangleTree;
-use crate::accel::simd::Level;
 use rayon::prelude::*;
 use vecmath::{Real, Vector3};
 
@@ -16,38 +14,22 @@ pub struct Mesh {
     /// One a position: unit length, or zero where the faces around it cancel out.
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
-    /// `None` without triangles, and until it is built.
-    tree: Option<TriangleTree>,
 }
 
-/// Where a ray meets a mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshHit {
-    pub triangle: u32,
-    pub hit: TriangleHit,
-}
-
-/// So many normals of faces are at hand while they are added up, and so many positions are looked at by one thread.
+/// Face normals are computed and added up in batches of this many, so that few are in memory at once.
 const AT_ONCE: usize = 1 << 16;
 
 impl Mesh {
-    /// A mesh of these positions and corner indices, which must be in range. It has no tree yet.
+    /// A mesh of these positions and corner indices, which must be in range.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
-        let mut mesh =
-            Self { bounds: bounds_of(&positions), vertex_normals: Vec::new(), tree: None, positions, triangles };
+        let bounds = bounds_of(&positions);
+        let mut mesh = Self { positions, triangles, vertex_normals: Vec::new(), bounds };
         mesh.vertex_normals = mesh.smooth_normals();
         mesh
     }
 
-    /// Builds the tree over the triangles, if there are any.
-    pub fn build_tree(&mut self) {
-        if !self.triangles.is_empty() {
-            self.tree = Some(self.built_tree());
-        }
-    }
-
-    /// For each position, the sum of the unit normals of its faces as a unit vector. Faces count the same whatever
-    /// their area; one without area counts nothing.
+    /// Returns for each position the sum of the unit normals of its faces, normalised. Faces count the same whatever
+    /// their area; a face without area counts nothing.
     fn smooth_normals(&self) -> Vec<Vector3> {
         let mut sums = vec![Vector3::ZERO; self.positions.len()];
         // Each thread adds up a range of the positions: every sum is made in the order of the file.
@@ -72,44 +54,19 @@ impl Mesh {
         sums
     }
 
-    /// A tree over the triangles.
-    pub fn built_tree(&self) -> TriangleTree {
-        TriangleTree::build(self.triangles.len(), &self.bounds, |triangle| self.corners(triangle))
-    }
-
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    pub fn has_tree(&self) -> bool {
-        self.tree.is_some()
-    }
-
-    pub fn tree(&self) -> Option<&TriangleTree> {
-        self.tree.as_ref()
-    }
-
-    /// Culls at this processor level from now on.
-    pub fn set_level(&mut self, level: Level) {
-        if let Some(tree) = &mut self.tree {
-            tree.set_level(level);
-        }
-    }
-
-    /// Bytes on the heap: the mesh, and its tree.
-    pub fn bytes(&self) -> (usize, usize) {
-        let mesh = size_of_val(self.positions.as_slice())
+    /// Returns the mesh's bytes on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.positions.as_slice())
             + size_of_val(self.triangles.as_slice())
-            + size_of_val(self.vertex_normals.as_slice());
-        (mesh, self.tree.as_ref().map_or(0, TriangleTree::bytes))
+            + size_of_val(self.vertex_normals.as_slice())
     }
 
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
-    }
-
-    pub(super) fn indices(&self) -> std::ops::Range<u32> {
-        0..self.triangles.len() as u32
     }
 
     /// The corners of a triangle, in object space.
@@ -119,7 +76,7 @@ impl Mesh {
 
     /// The unit normals of a triangle's corners; zero where the faces around one cancel out.
     #[inline(always)]
-    pub(super) fn corner_normals(&self, triangle: u32) -> [Vector3; 3] {
+    pub(crate) fn corner_normals(&self, triangle: u32) -> [Vector3; 3] {
         self.triangles[triangle as usize].map(|corner| self.vertex_normals[corner as usize])
     }
 
@@ -131,53 +88,6 @@ impl Mesh {
             sum += weight * if normal == Vector3::ZERO { face() } else { normal };
         }
         sum.try_normalized().unwrap_or_else(face)
-    }
-
-    /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
-    pub fn closest_hit(&self, ray: &PreparedRay, t_max: Real) -> Option<MeshHit> {
-        let mut search = MeshSearch { t_max, closest: None };
-        match &self.tree {
-            None => self.indices().for_each(|triangle| {
-                search.ask(self, ray, triangle);
-            }),
-            Some(tree) => tree.candidates(ray, t_max, |triangle| search.ask(self, ray, triangle)),
-        }
-        search.closest
-    }
-
-    /// Whether anything is hit at a t up to and including `t_max`.
-    pub fn any_hit(&self, ray: &PreparedRay, t_max: Real) -> bool {
-        let is_hit = |triangle: u32| triangle_hit(ray, self.corners(triangle)).is_some_and(|hit| hit.t <= t_max);
-        let Some(tree) = &self.tree else {
-            return self.indices().any(is_hit);
-        };
-        let mut found = false;
-        tree.candidates(ray, t_max, |triangle| {
-            found |= is_hit(triangle);
-            if found { Real::NEG_INFINITY } else { t_max }
-        });
-        found
-    }
-}
-
-/// The nearest hit of a ray with a mesh so far.
-struct MeshSearch {
-    /// Hits count below this t.
-    t_max: Real,
-    closest: Option<MeshHit>,
-}
-
-impl MeshSearch {
-    /// Asks a triangle, whatever the order and even twice, and returns the new `t_max`.
-    fn ask(&mut self, mesh: &Mesh, ray: &PreparedRay, triangle: u32) -> Real {
-        if let Some(hit) = triangle_hit(ray, mesh.corners(triangle)) {
-            let comes_first = self.closest.is_some_and(|closest| triangle < closest.triangle);
-            if hit.t < self.t_max || (hit.t == self.t_max && comes_first) {
-                self.t_max = hit.t;
-                self.closest = Some(MeshHit { triangle, hit });
-            }
-        }
-        self.t_max
     }
 }
 
@@ -194,7 +104,6 @@ fn to_vector(position: [f32; 3]) -> Vector3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objects::{Ray, T_MAX};
 
     /// A roof: two faces that share an edge along z, one steep, one flat and ten times as large.
     fn roof() -> Mesh {
@@ -235,25 +144,5 @@ mod tests {
         let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 1]]);
         assert_eq!(mesh.normal(0, [0.2, 0.3, 0.5]), Vector3::new(0.0, 0.0, 1.0));
         assert_eq!(mesh.normal(1, [0.2, 0.3, 0.5]), Vector3::new(0.0, 0.0, -1.0));
-    }
-
-    #[test]
-    fn of_two_equal_triangles_the_first_is_hit() {
-        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let mut mesh = Mesh::new(positions, vec![[0, 1, 2]; 40]);
-        mesh.build_tree();
-        assert!(mesh.has_tree());
-        let origin = Vector3::new(0.2, 0.2, 3.0);
-        let ray = PreparedRay::new(Ray { origin, direction: Vector3::new(0.0, 0.0, -1.0) });
-        assert_eq!(mesh.closest_hit(&ray, T_MAX).unwrap().triangle, 0);
-        assert!(mesh.any_hit(&ray, 3.0));
-        assert!(!mesh.any_hit(&ray, 2.9));
-    }
-
-    #[test]
-    fn an_empty_mesh_is_never_hit() {
-        let mesh = Mesh::new(Vec::new(), Vec::new());
-        let ray = Ray { origin: Vector3::ZERO, direction: Vector3::new(0.0, 0.0, -1.0) };
-        assert!(mesh.closest_hit(&PreparedRay::new(ray), T_MAX).is_none());
     }
 }

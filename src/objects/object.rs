@@ -1,40 +1,35 @@
-//! What a ray can hit. `sphere`, `plane`, `triangle`, `mesh` and, for all of them, this file hold the definition of a hit,
-//! in [`Real`] and scalar: the truth that every faster test may only prepare, never replace. `many`, `mesh_many` and
-//! `normals` ask these definitions for the rays of a [`run`] at once.
-//!
-//! Everywhere, a ray is `origin + t * direction` with `direction` of any length, and a hit has 0 < t < [`T_MAX`].
+//! [`Shape`], the list of shapes, and [`Object`], a shape with a transform and a material.
 
-mod aabb;
-mod hit_run;
-mod many;
-mod mesh;
-mod mesh_many;
-mod normals;
-mod placement;
-mod plane;
-mod ray;
-pub mod run;
-mod sphere;
-mod surface;
-mod triangle;
+use super::surface_point::NearestPoint;
+use super::triangle::{face_normal, nearest_point_of_triangle};
+use super::{Aabb, Mesh, Plane, PreparedRay, Ray, Sphere, SurfaceHit, SurfacePoint, Transform, Triangle};
+use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 
-pub use aabb::Aabb;
-pub use hit_run::{HitRun, SurfaceRun};
-pub use mesh::{Mesh, MeshHit};
-pub use placement::Placement;
-pub use plane::Plane;
-pub use ray::{PreparedRay, Ray};
-pub use sphere::Sphere;
-pub use surface::SurfacePoint;
-pub use triangle::{Triangle, TriangleHit, TriangleHits, triangle_hit};
+/// A shape that a formula describes: one t for a ray, one normal for a point.
+///
+/// A shape that implements this is rendered one ray at a time and in packets; nothing is written twice.
+pub trait Surface {
+    /// Whether [`gradient`](Self::gradient) has to be normalised before it is a normal.
+    const NORMALIZES: bool;
 
-use crate::render::robust::ROUNDING;
-use surface::triangle_point;
-use triangle::face_normal;
-use vecmath::{Real, Vector3};
+    /// Returns the nearest t > 0 at which the ray meets the surface.
+    fn intersect(&self, ray: &Ray) -> Option<Real>;
 
-/// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
-pub const T_MAX: Real = f32::MAX as Real;
+    /// Returns a vector across the surface at one of its points, on the side of the normal.
+    fn gradient(&self, point: Vector3) -> Vector3;
+
+    /// Finds the point of the surface nearest to a point beside it; see [`SurfacePoint`].
+    fn nearest_point(&self, near: Vector3) -> NearestPoint;
+
+    /// Returns the box around the surface; `None` if it has no end.
+    fn bounds(&self) -> Option<Aabb>;
+
+    /// Returns the normal at one of the surface's points.
+    fn normal(&self, point: Vector3) -> Vector3 {
+        let gradient = self.gradient(point);
+        if Self::NORMALIZES { gradient.normalized() } else { gradient }
+    }
+}
 
 /// The geometry of an [`Object`].
 #[derive(Clone, Debug)]
@@ -46,18 +41,29 @@ pub enum Shape {
     Mesh(u32),
 }
 
+/// Matches a shape: the first arm stands for every shape that is a [`Surface`]. A new shape gets its line here.
+macro_rules! match_surface {
+    ($shape:expr, $surface:ident => $body:expr, $($rest:tt)*) => {
+        match $shape {
+            $crate::objects::Shape::Sphere($surface) => $body,
+            $crate::objects::Shape::Plane($surface) => $body,
+            $($rest)*
+        }
+    };
+}
+pub(crate) use match_surface;
+
 impl Shape {
-    /// The bounds in object space; `None` for a shape without end.
+    /// Returns the bounds in object space; `None` for a shape without end.
     pub fn bounds(&self, meshes: &[Mesh]) -> Option<Aabb> {
-        match self {
-            Self::Sphere(sphere) => Some(sphere.bounds()),
-            Self::Plane(_) => None,
+        match_surface!(self,
+            surface => surface.bounds(),
             Self::Triangle(triangle) => Some(triangle.bounds()),
             Self::Mesh(mesh) => Some(*meshes[*mesh as usize].bounds()),
-        }
+        )
     }
 
-    /// Whether every normal that shading sees has length 1, up to rounding.
+    /// Returns whether every normal that is shaded has length 1, up to rounding.
     pub fn has_unit_normal(&self) -> bool {
         match self {
             Self::Plane(plane) => (plane.shading_normal.length() - 1.0).abs() < 4.0 * Real::EPSILON,
@@ -65,7 +71,7 @@ impl Shape {
         }
     }
 
-    /// The same shape, shaded with unit normals.
+    /// Makes the same shape, shaded with unit normals.
     #[must_use]
     pub fn with_unit_normal(self) -> Self {
         match self {
@@ -75,172 +81,158 @@ impl Shape {
     }
 }
 
-/// A surface with a place and a material.
+/// A surface with a place in the world and a material.
 #[derive(Clone, Debug)]
 pub struct Object {
     pub shape: Shape,
-    pub placement: Option<Box<Placement>>,
+    /// `None`: the shape stands in world space as it is.
+    pub transform: Option<Box<Transform>>,
     /// Index into the scene's materials.
     pub material: u32,
-    /// What encloses the object in world space; `None` for a plane, which nothing encloses.
+    /// The box around the object in world space; `None` for a plane, which has no end.
     pub bounds: Option<Aabb>,
-    /// Rounding on the way to object space may move a ray sideways by this share of its origin's largest coordinate;
-    /// `bounds` count as met by a ray that passes them so closely. Zero where there is no such way, for boxes allow
-    /// for their own rounding; and for a sphere, which has no edge to share with a neighbour.
-    pub spread: Real,
+    /// Error bound of the way to object space: rounding may move a ray sideways by this share of its origin's largest
+    /// coordinate, so the object counts as entered by a ray that passes [`bounds`](Self::bounds) so closely. Zero
+    /// without a transform, because tests of boxes allow for their own rounding; and zero for a sphere, because it
+    /// shares no edge with a neighbour.
+    pub sideways_error: Real,
 }
 
-/// Of the largest coordinate of a ray's origin, times the condition number of the placement: taking the ray to object
+/// Of the largest coordinate of a ray's origin, times the condition number of the transform: taking the ray to object
 /// space (4 u) and the test there (6 u), seen from world space.
-const SPREAD_ROUNDINGS: Real = 16.0;
+const SIDEWAYS_ROUNDINGS: Real = 16.0;
 /// World bounds are larger than the objects by this share of their largest coordinate at least, so that no later
 /// rounding of bounds needs to be thought of.
-const BOUNDS_MARGIN: Real = 8192.0 * ROUNDING;
-
-/// Where a ray meets an object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ObjectHit {
-    pub t: Real,
-    /// Index of the triangle, for a mesh.
-    pub triangle: u32,
-    /// Weights of the triangle's corners at the hit, for a mesh or a triangle.
-    pub barycentric: [Real; 3],
-}
-
-impl ObjectHit {
-    pub fn at(t: Real) -> Self {
-        Self { t, triangle: 0, barycentric: [0.0; 3] }
-    }
-}
+const BOUNDS_MARGIN: Real = 8192.0 * UNIT_ROUNDOFF;
 
 impl Object {
-    /// An object of a shape with these bounds (`None`: without end) in object space.
-    pub fn new(shape: Shape, placement: Option<Box<Placement>>, material: u32, bounds: Option<&Aabb>) -> Self {
+    /// Places a shape. `bounds` is the box around it in object space; `None` if it has no end.
+    pub fn new(shape: Shape, transform: Option<Box<Transform>>, material: u32, bounds: Option<&Aabb>) -> Self {
         let bounds = bounds.map(|bounds| {
-            let world = placement.as_ref().map_or(*bounds, |placement| placement.bounds_to_world(bounds));
+            let world = transform.as_ref().map_or(*bounds, |transform| transform.bounds_to_world(bounds));
             world.grown(world.max_abs() * BOUNDS_MARGIN)
         });
-        let spread = match (&shape, &placement) {
+        let sideways_error = match (&shape, &transform) {
             (Shape::Sphere(_), _) | (_, None) => 0.0,
-            (_, Some(placement)) => SPREAD_ROUNDINGS * ROUNDING * placement.condition,
+            (_, Some(transform)) => SIDEWAYS_ROUNDINGS * UNIT_ROUNDOFF * transform.condition,
         };
-        Self { shape, placement, material, bounds, spread }
+        Self { shape, transform, material, bounds, sideways_error }
     }
 
-    /// The nearest hit with t < `t_max`.
+    /// Finds the nearest hit with t < `t_max`. `mesh` answers for a shape that is a mesh: it gets the mesh's index and
+    /// the ray in object space, and returns the nearest hit with t < `t_max`.
     ///
-    /// A hit counts only where the ray meets [`bounds`](Self::bounds), and is never nearer than the place where it
-    /// enters them. That is part of the definition: whoever skips objects by their bounds changes nothing.
-    pub fn closest_hit(&self, meshes: &[Mesh], world: &PreparedRay, t_max: Real) -> Option<ObjectHit> {
-        let near = self.entry(world, t_max)?;
-        let mut hit = match &self.shape {
-            Shape::Sphere(sphere) => sphere.hit(&self.ray_to_object(&world.ray)).map(ObjectHit::at),
-            Shape::Plane(plane) => plane.hit(&self.ray_to_object(&world.ray)).map(ObjectHit::at),
-            Shape::Triangle(triangle) => {
-                let found = self.in_object_space(world, |ray| triangle.hit(ray));
-                found.map(|hit| ObjectHit { t: hit.t, triangle: 0, barycentric: hit.barycentric })
-            }
-            Shape::Mesh(mesh) => {
-                let found = self.in_object_space(world, |ray| meshes[*mesh as usize].closest_hit(ray, t_max));
-                found.map(|found| ObjectHit {
-                    t: found.hit.t,
-                    triangle: found.triangle,
-                    barycentric: found.hit.barycentric,
-                })
-            }
-        }?;
-        hit.t = hit.t.max(near);
+    /// A hit counts only where the ray enters [`bounds`](Self::bounds), and is never nearer than the entry. That is
+    /// part of the definition: skipping objects by their bounds changes no hit.
+    pub fn closest_hit(
+        &self,
+        world: &PreparedRay,
+        t_max: Real,
+        mesh: impl FnOnce(u32, &PreparedRay) -> Option<SurfaceHit>,
+    ) -> Option<SurfaceHit> {
+        let entry = self.entry(world, t_max)?;
+        let mut hit = self.intersect(world, mesh)?;
+        hit.t = hit.t.max(entry);
         (hit.t < t_max).then_some(hit)
     }
 
-    /// Whether anything is hit at a t up to and including `t_max`: the same answer as [`closest_hit`](Self::closest_hit)
-    /// gives, sooner.
-    pub fn any_hit(&self, meshes: &[Mesh], world: &PreparedRay, t_max: Real) -> bool {
-        if self.entry(world, t_max).is_none() {
-            return false;
-        }
-        let t = match &self.shape {
-            Shape::Sphere(sphere) => sphere.hit(&self.ray_to_object(&world.ray)),
-            Shape::Plane(plane) => plane.hit(&self.ray_to_object(&world.ray)),
-            Shape::Triangle(triangle) => self.in_object_space(world, |ray| triangle.hit(ray)).map(|hit| hit.t),
-            Shape::Mesh(mesh) => {
-                return self.in_object_space(world, |ray| meshes[*mesh as usize].any_hit(ray, t_max));
-            }
-        };
-        t.is_some_and(|t| t <= t_max)
+    /// Returns whether anything is hit at a t up to and including `t_max`. Here `mesh` returns any hit up to `t_max`.
+    pub fn any_hit(
+        &self,
+        world: &PreparedRay,
+        t_max: Real,
+        mesh: impl FnOnce(u32, &PreparedRay) -> Option<SurfaceHit>,
+    ) -> bool {
+        self.entry(world, t_max).is_some() && self.intersect(world, mesh).is_some_and(|hit| hit.t <= t_max)
     }
 
-    /// See [`Aabb::entry`].
+    /// The shape's own test, in object space.
+    fn intersect(
+        &self,
+        world: &PreparedRay,
+        mesh: impl FnOnce(u32, &PreparedRay) -> Option<SurfaceHit>,
+    ) -> Option<SurfaceHit> {
+        match_surface!(&self.shape,
+            surface => surface.intersect(&self.ray_to_object(&world.ray)).map(SurfaceHit::at),
+            Shape::Triangle(triangle) => triangle.intersect(&self.prepared_in_object_space(world)),
+            Shape::Mesh(index) => mesh(*index, &self.prepared_in_object_space(world)),
+        )
+    }
+
+    /// Returns where the ray enters the bounds at a t up to `t_max`; see [`Aabb::entry`].
     #[inline(always)]
-    fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
+    pub fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
         match &self.bounds {
             Some(bounds) => bounds.entry(world, self.margin(world), t_max),
             None => Some(0.0),
         }
     }
 
-    /// See [`Aabb::meets`].
+    /// The same without branches, for loops over many rays; see [`Aabb::entry_branchless`].
     #[inline(always)]
-    fn meets(&self, world: &PreparedRay, t_max: Real) -> (bool, Real) {
+    pub fn entry_branchless(&self, world: &PreparedRay, t_max: Real) -> (bool, Real) {
         match &self.bounds {
-            Some(bounds) if self.spread == 0.0 => bounds.meets(world, 0.0, t_max),
-            Some(bounds) => bounds.meets(world, self.margin(world), t_max),
+            Some(bounds) if self.sideways_error == 0.0 => bounds.entry_branchless(world, 0.0, t_max),
+            Some(bounds) => bounds.entry_branchless(world, self.margin(world), t_max),
             None => (true, 0.0),
         }
     }
 
-    /// The bounds are grown by so much for a ray.
+    /// By how much the bounds grow for a ray.
     #[inline(always)]
     fn margin(&self, world: &PreparedRay) -> Real {
-        if self.spread == 0.0 { 0.0 } else { self.spread * world.ray.origin.max_abs() }
+        if self.sideways_error == 0.0 { 0.0 } else { self.sideways_error * world.ray.origin.max_abs() }
     }
 
     fn ray_to_object(&self, world: &Ray) -> Ray {
-        self.placement.as_ref().map_or(*world, |placement| placement.ray_to_object(world))
+        self.transform.as_ref().map_or(*world, |transform| transform.ray_to_object(world))
     }
 
-    fn in_object_space<T>(&self, world: &PreparedRay, f: impl FnOnce(&PreparedRay) -> T) -> T {
-        match &self.placement {
-            None => f(world),
-            Some(placement) => f(&PreparedRay::new(placement.ray_to_object(&world.ray))),
+    fn prepared_in_object_space(&self, world: &PreparedRay) -> PreparedRay {
+        match &self.transform {
+            None => *world,
+            Some(transform) => PreparedRay::new(transform.ray_to_object(&world.ray)),
         }
     }
 
-    /// The unit normal at a hit, or what the file gave as the normal of a plane that stands in no transform.
-    pub fn normal(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> Vector3 {
-        let in_object_space = |ray: &Ray| match &self.shape {
-            Shape::Sphere(sphere) => sphere.normal(ray.at(hit.t)),
-            Shape::Plane(plane) => plane.shading_normal,
-            Shape::Triangle(triangle) => triangle.normal,
-            Shape::Mesh(mesh) => meshes[*mesh as usize].normal(hit.triangle, hit.barycentric),
+    /// Returns the normal at a hit: a unit vector, but for a plane without a transform, whose normal is used at the
+    /// length that the file gives it.
+    pub fn normal(&self, meshes: &[Mesh], ray: &Ray, hit: &SurfaceHit) -> Vector3 {
+        let in_object_space = |ray: &Ray| {
+            match_surface!(&self.shape,
+                surface => surface.normal(ray.at(hit.t)),
+                Shape::Triangle(triangle) => triangle.normal,
+                Shape::Mesh(mesh) => meshes[*mesh as usize].normal(hit.triangle, hit.barycentric),
+            )
         };
-        match &self.placement {
+        match &self.transform {
             None => in_object_space(ray),
-            Some(placement) => placement.normal_to_world(in_object_space(&placement.ray_to_object(ray))),
+            Some(transform) => transform.normal_to_world(in_object_space(&transform.ray_to_object(ray))),
         }
     }
 
-    /// The point of the surface that a ray has hit, as well as it can be known.
-    pub fn surface_point(&self, meshes: &[Mesh], ray: &Ray, hit: &ObjectHit) -> SurfacePoint {
+    /// Finds the point of the surface that a ray has hit, as well as it can be known.
+    pub fn surface_point(&self, meshes: &[Mesh], ray: &Ray, hit: &SurfaceHit) -> SurfacePoint {
         let on_triangle = |corners: [Vector3; 3]| {
-            // Across a triangle without area there is no direction; towards the eye is as good as any.
+            // A triangle without area has no normal; the direction towards the eye is as good as any.
             let normal = face_normal(corners);
             let normal = if normal == Vector3::ZERO { -ray.direction.normalized() } else { normal };
-            triangle_point(corners, hit.barycentric, normal)
+            nearest_point_of_triangle(corners, hit.barycentric, normal)
         };
-        let find = |near: Vector3| match &self.shape {
-            Shape::Sphere(sphere) => sphere.nearest_point(near),
-            Shape::Plane(plane) => plane.nearest_point(near),
-            Shape::Triangle(triangle) => on_triangle(triangle.corners),
-            Shape::Mesh(mesh) => on_triangle(meshes[*mesh as usize].corners(hit.triangle)),
+        let find = |near: Vector3| {
+            match_surface!(&self.shape,
+                surface => surface.nearest_point(near),
+                Shape::Triangle(triangle) => on_triangle(triangle.corners),
+                Shape::Mesh(mesh) => on_triangle(meshes[*mesh as usize].corners(hit.triangle)),
+            )
         };
         let near = ray.at(hit.t);
-        match &self.placement {
+        match &self.transform {
             None => {
                 let found = find(near);
                 SurfacePoint { point: found.point, normal: found.normal, gap: found.error }
             }
-            Some(placement) => placement.surface_point(near, find),
+            Some(transform) => transform.surface_point(near, find),
         }
     }
 }

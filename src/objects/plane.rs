@@ -1,7 +1,8 @@
 //! [`Plane`].
 
-use super::Ray;
-use vecmath::{Real, Vector3};
+use super::surface_point::{NearestPoint, across};
+use super::{Aabb, Ray, Surface};
+use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 
 /// The points with `normal . point = offset`.
 #[derive(Clone, Copy, Debug)]
@@ -14,10 +15,10 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane that is shaded with its normal as given, as the starter does.
+    /// Makes a plane that is shaded with its normal as given, as the starter does.
     ///
-    /// Normals so long or short that products with them would leave the range of numbers are scaled by a power of
-    /// two, and the offset with them: the same plane, to the last bit.
+    /// Normals so long or short that products with them would leave the range of numbers are scaled by a power of two,
+    /// and the offset with them: the same plane, to the last bit.
     pub fn new(normal: Vector3, offset: Real) -> Self {
         const USUAL: std::ops::RangeInclusive<Real> = 1e-30..=1e30;
         let longest = normal.max_abs();
@@ -29,16 +30,46 @@ impl Plane {
         Self { normal: normal * half * half, offset: offset * half * half, shading_normal: normal }
     }
 
-    /// The same plane, shaded with the unit vector of its normal.
+    /// Makes the same plane, shaded with the unit vector of its normal.
     #[must_use]
     pub fn with_unit_normal(self) -> Self {
         Self { shading_normal: self.shading_normal.normalized(), ..self }
     }
+}
 
-    /// t of the ray's point on the plane, if t > 0. A parallel ray gives an infinite or NaN t: a miss.
-    pub fn hit(&self, ray: &Ray) -> Option<Real> {
+/// Of |n| . |p| and the plane's distance from the origin: normal . p - offset has 4 u (three products, three sums), the
+/// division by the normal's length 1 u, the step to the plane 2 u, the sum of point and offset 1 u, and the test of a
+/// ray from there 4 u again.
+const PLANE_ROUNDINGS: Real = 12.0;
+
+impl Surface for Plane {
+    /// The starter shades with the normal as the file gives it.
+    const NORMALIZES: bool = false;
+
+    /// A parallel ray gives an infinite or NaN t, which is a miss.
+    #[inline(always)]
+    fn intersect(&self, ray: &Ray) -> Option<Real> {
         let t = (self.offset - self.normal.dot(ray.origin)) / self.normal.dot(ray.direction);
         (t > 0.0).then_some(t)
+    }
+
+    #[inline(always)]
+    fn gradient(&self, _: Vector3) -> Vector3 {
+        self.shading_normal
+    }
+
+    fn nearest_point(&self, near: Vector3) -> NearestPoint {
+        let length = self.normal.length();
+        let normal = self.normal / length;
+        let height = (self.normal.dot(near) - self.offset) / length;
+        let point = near - normal * height;
+        let coordinates = across(normal, near).max(across(normal, point));
+        let error = UNIT_ROUNDOFF * PLANE_ROUNDINGS * (coordinates + (self.offset / length).abs());
+        NearestPoint { point, normal, error }
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        None
     }
 }
 
@@ -48,7 +79,7 @@ mod tests {
 
     fn hit(normal: [Real; 3], offset: Real, direction: [Real; 3]) -> Option<Real> {
         let origin = Vector3::new(0.0, 3.0, 0.0);
-        Plane::new(normal.into(), offset).hit(&Ray { origin, direction: direction.into() })
+        Plane::new(normal.into(), offset).intersect(&Ray { origin, direction: direction.into() })
     }
 
     #[test]

@@ -1,23 +1,23 @@
-//! [`Placement`]: where an object stands, and what rounding does on the way there and back.
+//! [`Transform`]: an instance's place in the world, and the error bounds of going to object space and back.
 //!
-//! The definition of a placed object's surface is the set of world points that `object_from_world` takes to the
-//! object: that matrix, rounded as it is, decides every hit. `world_from_object` only says where to look.
+//! By definition, the surface of a transformed object is the set of world points that `object_from_world` takes to the
+//! shape. That matrix, rounded as it is, decides every hit; `world_from_object` only says where to look.
 
-use super::surface::{NearestPoint, across};
+use super::surface_point::{NearestPoint, across};
 use super::{Aabb, Ray, SurfacePoint};
-use crate::render::robust::ROUNDING;
-use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, Vector3};
+use vecmath::{Matrix3, Matrix4, Real, SingularMatrix, UNIT_ROUNDOFF, Vector3};
 
-/// Where an object stands, when it is not simply in world space.
+/// The matrices between world space and the space of an object.
 #[derive(Clone, Debug)]
-pub struct Placement {
+pub struct Transform {
     pub object_from_world: Matrix4,
     world_from_object: Matrix4,
     /// Takes normals from object to world space: the transpose of the linear part of `object_from_world`.
     normal_to_world: Matrix3,
-    /// Going to object space and back moves a point p by at most `detour` |p| + `detour_offset`, in object space.
-    detour: Matrix3,
-    detour_offset: Vector3,
+    /// Error bound: going to world space and back moves a point p of object space by at most
+    /// `round_trip` |p| + `round_trip_offset`.
+    round_trip: Matrix3,
+    round_trip_offset: Vector3,
     /// How much longer an error of rounding in object space is when seen from world space: the largest row sum of
     /// |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the axes).
     pub condition: Real,
@@ -31,7 +31,7 @@ const PLACED_POINT_ROUNDINGS: Real = 2.0 * TRANSFORM_ROUNDINGS + 2.0;
 /// What a shape's own test may be off by, of the shape's coordinates, and more.
 const SHAPE_ROUNDINGS: Real = 64.0;
 
-impl Placement {
+impl Transform {
     /// # Errors
     /// [`SingularMatrix`] where `world_from_object` has no inverse, or none to working precision.
     pub fn new(world_from_object: &Matrix4) -> Result<Self, SingularMatrix> {
@@ -42,28 +42,28 @@ impl Placement {
         let residual = Matrix3::from_columns(x - i, y - j, z - k).abs();
         let rounding = back.abs() * there.abs();
         let [r, s, t] = residual.columns;
-        let [u, v, w] = rounding.columns.map(|column| column * (TRANSFORM_ROUNDINGS * ROUNDING));
-        let detour = Matrix3::from_columns(r + u, s + v, t + w);
+        let [u, v, w] = rounding.columns.map(|column| column * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF));
+        let round_trip = Matrix3::from_columns(r + u, s + v, t + w);
         let offset = world_from_object.offset();
         let terms = back.abs() * offset.map(Real::abs) + object_from_world.offset().map(Real::abs);
-        let detour_offset =
-            object_from_world.transform_point(offset).map(Real::abs) + terms * (TRANSFORM_ROUNDINGS * ROUNDING);
+        let round_trip_offset = object_from_world.transform_point(offset).map(Real::abs)
+            + terms * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF);
         // The true inverse of `object_from_world` is within a factor of 2 of `world_from_object` below this (the
-        // series of (1 + detour)^-1).
-        if !(detour.row_sum_norm() < 0.5) {
+        // series of (1 + round_trip)^-1).
+        if !(round_trip.row_sum_norm() < 0.5) {
             return Err(SingularMatrix);
         }
         Ok(Self {
             object_from_world,
             world_from_object: *world_from_object,
             normal_to_world: back.transposed(),
-            detour,
-            detour_offset,
+            round_trip,
+            round_trip_offset,
             condition: (there.abs() * back.abs()).row_sum_norm(),
         })
     }
 
-    /// The ray in object space. Its direction is not normalised, so that t means the same in both spaces.
+    /// Takes a ray to object space. Its direction is not normalised, so that t means the same in both spaces.
     #[inline(always)]
     pub fn ray_to_object(&self, ray: &Ray) -> Ray {
         Ray {
@@ -72,32 +72,32 @@ impl Placement {
         }
     }
 
-    /// The unit normal in world space of a normal in object space.
+    /// Takes a normal to world space, as a unit vector.
     pub fn normal_to_world(&self, normal: Vector3) -> Vector3 {
-        self.across_world(normal).normalized()
+        self.normal_direction_to_world(normal).normalized()
     }
 
-    /// The same, of any length.
+    /// Takes a normal to world space without normalising it.
     #[inline(always)]
-    pub fn across_world(&self, normal: Vector3) -> Vector3 {
+    pub fn normal_direction_to_world(&self, normal: Vector3) -> Vector3 {
         self.normal_to_world * normal
     }
 
     /// The box in world space of all points that rays can hit on a shape inside `bounds`.
     ///
     /// A world point whose image under `object_from_world`, rounded, is p lies where `world_from_object` puts p, give
-    /// or take what a detour and the roundings of p are as seen from world space.
+    /// or take what a round trip and the roundings of p are as seen from world space.
     pub fn bounds_to_world(&self, bounds: &Aabb) -> Aabb {
         let world = bounds.transformed(&self.world_from_object);
         let (p, x) = (bounds.corner_reach(), world.corner_reach());
         let terms = self.object_from_world.linear().abs() * x + self.object_from_world.offset().map(Real::abs);
-        let moved = self.detour * p
-            + self.detour_offset
-            + terms * (2.0 * TRANSFORM_ROUNDINGS * ROUNDING)
-            + p * (SHAPE_ROUNDINGS * ROUNDING);
+        let moved = self.round_trip * p
+            + self.round_trip_offset
+            + terms * (2.0 * TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF)
+            + p * (SHAPE_ROUNDINGS * UNIT_ROUNDOFF);
         let there = self.world_from_object.linear().abs();
         let rounding = there * p + self.world_from_object.offset().map(Real::abs);
-        world.grown_by(there * moved * 2.0 + rounding * (TRANSFORM_ROUNDINGS * ROUNDING))
+        world.grown_by(there * moved * 2.0 + rounding * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF))
     }
 
     /// The point of the surface near a world point `near`, given how to find it in object space.
@@ -107,13 +107,13 @@ impl Placement {
         // The step is short, so that the errors of the matrix which takes it count twice over.
         let step = found.point - image;
         let point = near + self.world_from_object.transform_direction(step);
-        let across_world = self.normal_to_world * found.normal;
-        let per_world_unit = across_world.length();
+        let normal_direction_to_world = self.normal_to_world * found.normal;
+        let per_world_unit = normal_direction_to_world.length();
         let terms = self.object_from_world.linear().abs() * point.map(Real::abs)
             + self.object_from_world.offset().map(Real::abs);
         let error = found.error
-            + PLACED_POINT_ROUNDINGS * ROUNDING * across(found.normal, terms)
-            + across(found.normal, self.detour * step.map(Real::abs));
-        SurfacePoint { point, normal: across_world / per_world_unit, gap: error / per_world_unit }
+            + PLACED_POINT_ROUNDINGS * UNIT_ROUNDOFF * across(found.normal, terms)
+            + across(found.normal, self.round_trip * step.map(Real::abs));
+        SurfacePoint { point, normal: normal_direction_to_world / per_world_unit, gap: error / per_world_unit }
     }
 }

@@ -1,30 +1,21 @@
-//! [`Triangle`], and the one test that decides whether a ray hits a triangle: of a scene or of a mesh.
+//! [`Triangle`], and the exact test of a ray against a triangle, which decides for triangles of scenes and of meshes.
 
-use super::ray::{Shear, ShearAxes};
-use super::run::{Numbers, PreparedRun, RUN, RayRun, around};
-use super::{Aabb, PreparedRay};
-use crate::render::robust::ROUNDING;
-use vecmath::{Real, Vector3, greater, lesser, swapped_if};
+use super::surface_point::{NearestPoint, across};
+use super::{Aabb, PreparedRay, SurfaceHit};
+use vecmath::{Real, UNIT_ROUNDOFF, Vector3, greater, lesser, swapped_if};
 
-/// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
-    pub t: Real,
-    /// Weights of the three corners; they sum to 1.
-    pub barycentric: [Real; 3],
-}
-
-/// The hit of a ray with the triangle of three corners, both sides counting, edges and corners included.
+/// Intersects a ray with a triangle. Both sides count; edges and corners belong to the triangle.
 ///
-/// Watertight (Woop, Benthin, Wald, JCGT 2013): the ray is laid along the z axis, and a corner lands on the same point
-/// for every triangle that has it. The sign of an edge function is then exact or the function is zero, because
-/// rounding keeps the order of the two products; swapping an edge's ends swaps the sign and nothing else. So of two
-/// triangles that share an edge at least one is hit by a ray between them.
+/// The test is watertight (Woop, Benthin, Wald: Watertight Ray/Triangle Intersection, JCGT 2013). It moves and shears
+/// space so that the ray becomes the z axis; a corner lands on the same point for every triangle that has it. The sign
+/// of an edge function is then exact or the function is zero, because rounding keeps the order of its two products.
+/// Swapping the ends of an edge swaps the sign and nothing else. So of two triangles that share an edge, at least one
+/// is hit by a ray between them.
 ///
-/// The ray must also meet the triangle's bounding box, and t lies inside it. For a triangle seen edge-on all three
-/// functions are nothing but rounding: the ray may lie in its plane and pass beside it, and the division has no
-/// digits. What the box says would otherwise depend on whether a search asks for the box.
-pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<TriangleHit> {
+/// The ray must also meet the triangle's bounding box, and t is kept inside it. Seen edge-on, a triangle has three edge
+/// functions that are all rounding, and t has no digits: the ray may lie in the triangle's plane and pass beside it.
+/// Without this rule the hit would depend on whether a tree has tested the box before.
+pub fn intersect_triangle(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<SurfaceHit> {
     let axes = ShearAxes::of(ray.ray.direction);
     let line = [ray.ray.origin, ray.ray.direction, ray.inverse_direction].map(|vector| axes.order(vector));
     let crossing = Crossing::of(line, corners.map(|corner| axes.order(corner)));
@@ -37,20 +28,62 @@ pub fn triangle_hit(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<Triangle
     ((near <= far || grazes_box(ray, corners)) && hit.t > 0.0).then_some(hit)
 }
 
-/// The line of a ray, and a triangle. Without branches, for many rays at once.
-struct Crossing {
-    is_inside: bool,
+/// The order of axes in which a ray is sheared: `z` is the axis of its largest component, x and y follow cyclically.
+///
+/// The paper swaps x and y for a negative direction to keep the winding. There is no need here: both sides count.
+#[derive(Clone, Copy, Debug)]
+pub struct ShearAxes {
+    pub x: usize,
+    pub y: usize,
+    pub z: usize,
+}
+
+impl ShearAxes {
+    #[inline(always)]
+    pub fn of(direction: Vector3) -> Self {
+        let [x, y, z] = direction.map(Real::abs).to_array();
+        Self::along(if x >= y && x >= z {
+            0
+        } else if y >= z {
+            1
+        } else {
+            2
+        })
+    }
+
+    #[inline(always)]
+    pub fn along(z: usize) -> Self {
+        Self { x: (z + 1) % 3, y: (z + 2) % 3, z: z % 3 }
+    }
+
+    /// Returns a vector's components in the order of these axes.
+    #[inline(always)]
+    pub fn order(&self, vector: Vector3) -> Vector3 {
+        let components = vector.to_array();
+        Vector3::new(components[self.x], components[self.y], components[self.z])
+    }
+}
+
+/// The edge functions of a triangle for a ray's line. Computing them takes no branch, so that loops over rays vectorise.
+pub struct Crossing {
+    pub is_inside: bool,
     /// Of the three corners.
     edge_functions: [Real; 3],
     depths: [Real; 3],
 }
 
 impl Crossing {
-    /// Everything in the order of the ray's [`ShearAxes`].
+    /// All vectors have their components in the order of the ray's [`ShearAxes`].
     #[inline(always)]
-    fn of([origin, direction, inverse_direction]: [Vector3; 3], [a, b, c]: [Vector3; 3]) -> Self {
-        let shear = Shear::new(direction, inverse_direction);
-        let (a, b, c) = (shear.apply(a - origin), shear.apply(b - origin), shear.apply(c - origin));
+    pub fn of([origin, direction, inverse_direction]: [Vector3; 3], [a, b, c]: [Vector3; 3]) -> Self {
+        // The shear lays the ray along the z axis of its axes; z is then t.
+        let factors = Vector3::new(direction.x / direction.z, direction.y / direction.z, inverse_direction.z);
+        let sheared = |corner: Vector3| {
+            let offset = corner - origin;
+            let (f, z) = (factors, offset.z);
+            Vector3::new(offset.x - f.x * z, offset.y - f.y * z, f.z * z)
+        };
+        let (a, b, c) = (sheared(a), sheared(b), sheared(c));
         let u = c.x * b.y - c.y * b.x;
         let v = a.x * c.y - a.y * c.x;
         let w = b.x * a.y - b.y * a.x;
@@ -58,24 +91,24 @@ impl Crossing {
         Self { is_inside: same_side & (u + v + w != 0.0), edge_functions: [u, v, w], depths: [a.z, b.z, c.z] }
     }
 
-    /// The hit, if it is one, between the places where the line enters and leaves the triangle's box.
+    /// Returns the hit, if `is_inside`. t is kept between `near` and `far`, where the line enters and leaves the box.
     #[inline(always)]
-    fn hit(&self, near: Real, far: Real) -> TriangleHit {
+    pub fn hit(&self, near: Real, far: Real) -> SurfaceHit {
         let ([u, v, w], [a, b, c]) = (self.edge_functions, self.depths);
         let determinant = u + v + w;
         let barycentric = [u / determinant, v / determinant, w / determinant];
         let t = barycentric[0] * a + barycentric[1] * b + barycentric[2] * c;
-        TriangleHit { t: greater(near, lesser(far, t)), barycentric }
+        SurfaceHit { t: greater(near, lesser(far, t)), triangle: 0, barycentric }
     }
 }
 
 /// Of the coordinates: moving a corner to the ray's origin and shearing it has 6 u of either.
 const BOX_ROUNDINGS: Real = 32.0;
 
-/// Where the line of the ray enters and leaves the box of three points, grown by `margin`. Near an edge of the box it
-/// may leave, by rounding, before it enters.
+/// Returns the t at which the ray's line enters and leaves the box around three points, grown by `margin`. Near an edge
+/// of the box, rounding may put the exit before the entry.
 #[inline(always)]
-fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Real, Real) {
+pub fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Real, Real) {
     let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
     for axis in 0..3 {
         let inverse = ray.inverse_direction[axis];
@@ -91,45 +124,12 @@ fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Re
     (near, far)
 }
 
-/// Whether the line of the ray meets the box of three points when rounding is allowed for.
+/// Returns whether the ray's line meets the box around three points, with room for rounding.
 #[cold]
 fn grazes_box(ray: &PreparedRay, corners: [Vector3; 3]) -> bool {
     let reach = corners.iter().fold(ray.ray.origin.max_abs(), |reach, corner| reach.max(corner.max_abs()));
-    let (near, far) = box_interval(ray, corners, BOX_ROUNDINGS * ROUNDING * reach);
+    let (near, far) = box_interval(ray, corners, BOX_ROUNDINGS * UNIT_ROUNDOFF * reach);
     near <= far
-}
-
-/// What many rays hit of one triangle.
-pub struct TriangleHits {
-    pub t: Numbers,
-    pub barycentric: [Numbers; 3],
-    /// 1: a hit, 0: none, -1: to be asked by itself.
-    pub verdict: Numbers,
-}
-
-impl TriangleHits {
-    pub const NONE: Self = Self { t: [0.0; RUN], barycentric: [[0.0; RUN]; 3], verdict: [0.0; RUN] };
-
-    /// [`triangle_hit`] of the rays of a mask, which have these axes.
-    #[inline(always)]
-    pub fn find(&mut self, axes: &ShearAxes, rays: &PreparedRun, mask: u64, corners: [Vector3; 3]) {
-        let ordered = corners.map(|corner| axes.order(corner));
-        let PreparedRun { rays: RayRun { origin, direction }, inverse_direction } = *rays;
-        for number in around(mask) {
-            let line = [origin, direction, inverse_direction];
-            let line = [axes.pick(line[0], number), axes.pick(line[1], number), axes.pick(line[2], number)];
-            let crossing = Crossing::of(line, ordered);
-            let (near, far) = box_interval(&rays.get(number), corners, 0.0);
-            let hit = crossing.hit(near, far);
-            self.t[number] = hit.t;
-            for corner in 0..3 {
-                self.barycentric[corner][number] = hit.barycentric[corner];
-            }
-            let verdict = if hit.t > 0.0 { 1.0 } else { 0.0 };
-            let verdict = if near <= far { verdict } else { -1.0 };
-            self.verdict[number] = if crossing.is_inside { verdict } else { 0.0 };
-        }
-    }
 }
 
 /// A triangle of the scene file, with a flat normal.
@@ -145,13 +145,46 @@ impl Triangle {
         Self { corners, normal: face_normal(corners) }
     }
 
-    pub fn hit(&self, ray: &PreparedRay) -> Option<TriangleHit> {
-        triangle_hit(ray, self.corners)
+    pub fn intersect(&self, ray: &PreparedRay) -> Option<SurfaceHit> {
+        intersect_triangle(ray, self.corners)
     }
 
     pub fn bounds(&self) -> Aabb {
         Aabb::of_points(self.corners)
     }
+}
+
+/// Of |n| . |corners|: the weights sum to 1 within 3 u (two sums, one division), products and sums of corners have 3 u,
+/// the sum of point and offset 2 u.
+const CORNER_ROUNDINGS: Real = 8.0;
+/// Of l^3 / A, with l the longest edge and A the area. A ray that leaves the triangle's inside looks at corners up to l
+/// away. Moved to its origin and sheared they have 6 u of l, so an edge function, two products of numbers up to 2 l,
+/// has 60 u of l^2; three of them, each times a depth up to l, are divided by 2 A.
+const SHAPE_ROUNDINGS: Real = 90.0;
+/// Of l: the depths themselves.
+const DEPTH_ROUNDINGS: Real = 6.0;
+/// Slivers of a larger l^2 / A than this are treated as if they had this one: a gap of a hundred thousandth of the
+/// length, beyond which leaks would be the worse evil.
+const LARGEST_SHAPE: Real = (1 << 30) as Real;
+
+/// The point of a triangle with these weights. The weights sum to 1, so it lies in the triangle's plane even where t
+/// has no digits, as for triangles seen edge-on.
+pub(super) fn nearest_point_of_triangle(
+    corners: [Vector3; 3],
+    barycentric: [Real; 3],
+    normal: Vector3,
+) -> NearestPoint {
+    let [a, b, c] = corners;
+    let point = a * barycentric[0] + b * barycentric[1] + c * barycentric[2];
+    let edges = [b - a, c - b, a - c];
+    let longest = edges.into_iter().map(Vector3::length).fold(0.0, Real::max);
+    let area = 0.5 * edges[0].cross(edges[2]).length();
+    // An area of zero gives infinity or NaN, and `min` passes over either.
+    let shape = (longest * longest / area).min(LARGEST_SHAPE);
+    let corner = a.map(Real::abs).max(b.map(Real::abs)).max(c.map(Real::abs));
+    let coordinates = CORNER_ROUNDINGS * across(normal, corner);
+    let error = UNIT_ROUNDOFF * (coordinates + (SHAPE_ROUNDINGS * shape + DEPTH_ROUNDINGS) * longest);
+    NearestPoint { point, normal, error }
 }
 
 /// cross(v1 - v0, v2 - v0) as a unit vector, or zero where that has no direction.
@@ -167,9 +200,9 @@ mod tests {
     const CORNERS: [Vector3; 3] =
         [Vector3::new(0.0, 0.0, 0.0), Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0)];
 
-    fn hit(origin: [Real; 3], direction: [Real; 3]) -> Option<TriangleHit> {
+    fn hit(origin: [Real; 3], direction: [Real; 3]) -> Option<SurfaceHit> {
         let ray = Ray { origin: origin.into(), direction: direction.into() };
-        triangle_hit(&PreparedRay::new(ray), CORNERS)
+        intersect_triangle(&PreparedRay::new(ray), CORNERS)
     }
 
     #[test]

@@ -19,22 +19,26 @@ pub type Real = f64;
 #[cfg(feature = "f32")]
 pub type Real = f32;
 
-/// The greater of two numbers, `a` where one of them is NaN. Unlike `Real::max`, it is one instruction.
+/// The unit roundoff u: the largest relative error of one rounding (Higham, Accuracy and Stability of Numerical
+/// Algorithms, 2002, section 2.1).
+pub const UNIT_ROUNDOFF: Real = Real::EPSILON / 2.0;
+
+/// Returns the greater of two numbers, or `a` if one of them is NaN. Unlike `Real::max`, it is one instruction.
 #[inline(always)]
 pub fn greater(a: Real, b: Real) -> Real {
     if b > a { b } else { a }
 }
 
-/// The lesser of two numbers, `a` where one of them is NaN. Unlike `Real::min`, it is one instruction.
+/// Returns the lesser of two numbers, or `a` if one of them is NaN. Unlike `Real::min`, it is one instruction.
 #[inline(always)]
 pub fn lesser(a: Real, b: Real) -> Real {
     if b < a { b } else { a }
 }
 
-/// (a, b), or (b, a) if so. Without a branch, for what nobody can guess.
+/// Returns (b, a) if `swap`, otherwise (a, b). It has no branch: use it where a branch could not be predicted.
 #[inline(always)]
-pub fn swapped_if(so: bool, a: Real, b: Real) -> (Real, Real) {
+pub fn swapped_if(swap: bool, a: Real, b: Real) -> (Real, Real) {
     let (x, y) = (a.to_bits(), b.to_bits());
-    let difference = if so { x ^ y } else { 0 };
+    let difference = if swap { x ^ y } else { 0 };
     (Real::from_bits(x ^ difference), Real::from_bits(y ^ difference))
 }

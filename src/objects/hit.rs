@@ -1,0 +1,31 @@
+//! [`Hit`]: where a ray meets an object.
+
+use vecmath::Real;
+
+/// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
+pub const T_MAX: Real = f32::MAX as Real;
+
+/// Where a ray meets one surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceHit {
+    pub t: Real,
+    /// Index of the triangle in its mesh; 0 for other shapes.
+    pub triangle: u32,
+    /// Weights of the triangle's three corners, which sum to 1; zeros for a sphere or a plane.
+    pub barycentric: [Real; 3],
+}
+
+impl SurfaceHit {
+    /// A hit of a shape that has no triangles.
+    pub fn at(t: Real) -> Self {
+        Self { t, triangle: 0, barycentric: [0.0; 3] }
+    }
+}
+
+/// A hit, and which object of the scene it is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index into the scene's objects.
+    pub object: u32,
+    pub surface: SurfaceHit,
+}
