@@ -1,22 +1,185 @@
-//! Processor levels. Whatever runs as a [`Task`] is compiled once for each of them.
+//! Instruction sets of the processor, and the lanes that wide code is written in.
 //!
-//! Culling is written in [`Lanes`], eight `f32` at a time, whose products may be fused with sums or not: what is left is
-//! decided elsewhere. Loops over the `Real` numbers of a run are plain arithmetic, which no level fuses, so that their
-//! bits are the same at each. The only place of the program with `unsafe` code.
-#![allow(unsafe_code)]
+//! Wide code is written once, generic over `S: Simd` of the library `fearless_simd`, and compiled once for each
+//! [`InstructionSet`]. A value of such a type is the proof that the processor has the instructions, so there is no
+//! unsafe code here. Two kinds of work are done wide:
+//!
+//! - Culling, in `f32x8`. Its products may be fused with sums or not, so its results may differ between instruction
+//!   sets. Nothing that is seen depends on them: what culling leaves over is decided by the exact tests.
+//! - Plain loops over the [`Real`](vecmath::Real) arrays of a [`packet`], inside `simd.vectorize(..)`. They call the
+//!   scalar formulas, and the compiler makes several rays an instruction of them. It never fuses or reorders, so their
+//!   bits are the same for every instruction set.
+//!
+//! Only what is inlined into `vectorize` is compiled for the instruction set. Hence the `#[inline(always)]` on its
+//! closures and on every function that takes lanes.
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-mod scalar;
+pub mod packet;
+mod range;
+
+pub use fearless_simd::prelude::*;
+pub use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
+pub use range::Range;
 
 use std::fmt;
 
-/// Numbers in a register.
+/// Lanes of a vector: what AVX2 holds in one register, and SSE2 and NEON in two.
 pub const WIDTH: usize = 8;
-/// What a register holds, in memory.
+
+/// The numbers of a vector in memory.
 pub type Eight = [f32; WIDTH];
 
-/// For each mask of eight bits the places of those that are set.
+/// What every processor of the target has.
+#[cfg(target_arch = "x86_64")]
+pub type Baseline = fearless_simd::x86::Sse2;
+#[cfg(target_arch = "aarch64")]
+pub type Baseline = fearless_simd::aarch64::Neon;
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+pub type Baseline = fearless_simd::Fallback;
+
+/// An instruction set that wide code is compiled for. Pictures are the same with every one.
+#[derive(Clone, Copy, Debug)]
+pub enum InstructionSet {
+    /// SSE2 on x86-64, NEON on 64-bit Arm.
+    Baseline(Baseline),
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(fearless_simd::x86::Avx2),
+}
+
+/// Evaluates an expression with the token of an instruction set as `$simd`; it is compiled once for each.
+#[macro_export]
+macro_rules! with_simd {
+    ($set:expr, $simd:ident => $body:expr) => {
+        match $set {
+            $crate::simd::InstructionSet::Baseline($simd) => $body,
+            #[cfg(target_arch = "x86_64")]
+            $crate::simd::InstructionSet::Avx2($simd) => $body,
+        }
+    };
+}
+pub use with_simd;
+
+impl InstructionSet {
+    /// The names of this target's instruction sets, the baseline first.
+    #[cfg(target_arch = "x86_64")]
+    pub const NAMES: &[&str] = &["sse2", "avx2"];
+    #[cfg(target_arch = "aarch64")]
+    pub const NAMES: &[&str] = &["neon"];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    pub const NAMES: &[&str] = &["scalar"];
+
+    /// Returns the best one that this processor has.
+    pub fn detected() -> Self {
+        Self::NAMES.iter().rev().find_map(|name| Self::named(name)).unwrap_or_else(Self::baseline)
+    }
+
+    /// Returns the one that every processor of the target has.
+    #[cfg(target_arch = "x86_64")]
+    pub fn baseline() -> Self {
+        let sse2 = fearless_simd::Level::baseline().as_sse2();
+        Self::Baseline(sse2.expect("SSE2 is part of x86-64"))
+    }
+
+    /// Returns the one that every processor of the target has.
+    #[cfg(target_arch = "aarch64")]
+    pub fn baseline() -> Self {
+        let neon = fearless_simd::Level::baseline().as_neon();
+        Self::Baseline(neon.expect("NEON is part of 64-bit Arm"))
+    }
+
+    /// Returns the one that every processor of the target has.
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    pub fn baseline() -> Self {
+        Self::Baseline(fearless_simd::Fallback::new())
+    }
+
+    /// Returns the instruction set of a name, if this processor has it. `scalar` is an older name of the baseline.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            #[cfg(target_arch = "x86_64")]
+            "avx2" => fearless_simd::Level::new().as_avx2().map(Self::Avx2),
+            _ if name == Self::NAMES[0] || name == "scalar" => Some(Self::baseline()),
+            _ => None,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline(_) => Self::NAMES[0],
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => "avx2",
+        }
+    }
+}
+
+impl PartialEq for InstructionSet {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Returns the bits of a mask, lane 0 lowest.
+#[inline(always)]
+pub fn bits_of<S: Simd>(mask: mask32x8<S>) -> u32 {
+    mask.to_bitmask() as u32
+}
+
+/// Returns the mask of these bits.
+#[inline(always)]
+pub fn mask_of<S: Simd>(simd: S, bits: u32) -> mask32x8<S> {
+    mask32x8::from_bitmask(simd, bits.into())
+}
+
+/// Loads eight numbers.
+#[inline(always)]
+pub fn load<S: Simd>(simd: S, numbers: &Eight) -> f32x8<S> {
+    f32x8::load_array_ref(simd, numbers)
+}
+
+/// Loads the eight numbers of each axis.
+#[inline(always)]
+pub fn load3<S: Simd>(simd: S, numbers: &[Eight; 3]) -> [f32x8<S>; 3] {
+    [load(simd, &numbers[0]), load(simd, &numbers[1]), load(simd, &numbers[2])]
+}
+
+/// Puts one number into all lanes.
+#[inline(always)]
+pub fn splat<S: Simd>(simd: S, number: f32) -> f32x8<S> {
+    f32x8::splat(simd, number)
+}
+
+/// Puts the number of each axis into all lanes.
+#[inline(always)]
+pub fn splat3<S: Simd>(simd: S, numbers: [f32; 3]) -> [f32x8<S>; 3] {
+    [splat(simd, numbers[0]), splat(simd, numbers[1]), splat(simd, numbers[2])]
+}
+
+/// Changes the sign of `a` where `b` has a minus sign.
+#[inline(always)]
+pub fn flip_sign<S: Simd>(simd: S, a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+    let sign = u32x8::splat(simd, 1 << 31) & b.to_bits();
+    f32x8::from_bits(a.to_bits() ^ sign)
+}
+
+/// Stores the lanes of a mask one after another, and anything behind them.
+#[inline(always)]
+pub fn compress<S: Simd>(mask: mask32x8<S>, value: f32x8<S>, into: &mut Eight) {
+    value.compress(mask).store_array(into);
+}
+
+/// Does the same with integers.
+#[inline(always)]
+pub fn compress_u32<S: Simd>(simd: S, mask: mask32x8<S>, from: &[u32; WIDTH], into: &mut [u32; WIDTH]) {
+    u32x8::load_array_ref(simd, from).compress(mask).store_array(into);
+}
+
+/// For each mask of eight bits, the places of those that are set.
 static PLACES: [[u8; WIDTH]; 256] = {
     let mut places = [[0; WIDTH]; 256];
     let mut mask = 0;
@@ -34,179 +197,40 @@ static PLACES: [[u8; WIDTH]; 256] = {
     places
 };
 
-/// The places of the bits that are set, of the lowest eight; then zeros.
+/// Returns the places of those of the lowest eight bits that are set, then zeros.
 #[inline(always)]
 pub fn places_in(bits: u32) -> [u8; WIDTH] {
     PLACES[bits as usize % 256]
-}
-
-/// The arithmetic of eight numbers. A value of an implementing type is the proof that the processor has it.
-pub trait Lanes: Copy + Send + Sync {
-    /// Eight numbers.
-    type F: Copy;
-    /// Eight times yes or no.
-    type M: Copy;
-
-    fn splat(self, value: f32) -> Self::F;
-    fn load(self, from: &Eight) -> Self::F;
-    fn store(self, value: Self::F, into: &mut Eight);
-    fn add(self, a: Self::F, b: Self::F) -> Self::F;
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    fn div(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a b + c, rounded once or twice.
-    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// a b - c, rounded once or twice.
-    fn mul_sub(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// The smaller one; either one if any is NaN.
-    fn min(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The larger one; either one if any is NaN.
-    fn max(self, a: Self::F, b: Self::F) -> Self::F;
-    fn abs(self, a: Self::F) -> Self::F;
-    /// `a` with its sign changed where `b` has a minus sign.
-    fn negated_by(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a <= b; no where any is NaN.
-    fn le(self, a: Self::F, b: Self::F) -> Self::M;
-    fn and(self, a: Self::M, b: Self::M) -> Self::M;
-    fn or(self, a: Self::M, b: Self::M) -> Self::M;
-    /// The lanes whose bits are set.
-    fn mask(self, bits: u32) -> Self::M;
-    /// `a` where the mask says yes, `b` elsewhere.
-    fn select(self, mask: Self::M, a: Self::F, b: Self::F) -> Self::F;
-    /// Stores the lanes whose bits are set one after the other, and anything after them.
-    fn compress(self, bits: u32, value: Self::F, into: &mut Eight);
-    /// The same for integers.
-    fn compress_bits(self, bits: u32, from: [u32; WIDTH], into: &mut [u32; WIDTH]);
-    /// Bit i is lane i's yes.
-    fn bits(self, mask: Self::M) -> u32;
-    /// The smallest of eight numbers, none of them NaN.
-    fn least(self, a: Self::F) -> f32;
-    /// The largest of eight numbers, none of them NaN.
-    fn greatest(self, a: Self::F) -> f32;
-    /// Runs a task compiled for this level.
-    fn enter<T: Task>(self, task: T) -> T::Output;
-}
-
-/// Work that is compiled once for each level. `run` and everything in it that touches lanes must be
-/// `#[inline(always)]`: only what is inlined into [`Lanes::enter`] is compiled for the level.
-pub trait Task {
-    type Output;
-    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
-}
-
-/// A kind of processor that tasks are compiled for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Any processor.
-    Scalar(scalar::Scalar),
-    /// x86-64 with AVX2 and FMA.
-    #[cfg(target_arch = "x86_64")]
-    Avx2(avx2::Avx2),
-}
-
-impl Level {
-    /// The names that [`named`](Self::named) knows.
-    pub const NAMES: [&str; 2] = ["scalar", "avx2"];
-
-    /// The best level of this processor.
-    pub fn detected() -> Self {
-        Self::named("avx2").unwrap_or(Self::SCALAR)
-    }
-
-    pub const SCALAR: Self = Self::Scalar(scalar::Scalar);
-
-    /// The level of a name, if this processor has it.
-    pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "scalar" => Some(Self::SCALAR),
-            #[cfg(target_arch = "x86_64")]
-            "avx2" => avx2::Avx2::detected().map(Self::Avx2),
-            _ => None,
-        }
-    }
-
-    /// Runs a task at this level.
-    #[inline]
-    pub fn run<T: Task>(self, task: T) -> T::Output {
-        match self {
-            Self::Scalar(lanes) => lanes.enter(task),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2(lanes) => lanes.enter(task),
-        }
-    }
-}
-
-impl fmt::Display for Level {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Scalar(_) => "scalar",
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2(_) => "avx2",
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    struct Everything;
-
-    impl Task for Everything {
-        type Output = (Vec<Eight>, Vec<u32>);
-
-        #[inline(always)]
-        fn run<L: Lanes>(self, l: L) -> Self::Output {
-            let a = l.load(&[1.0, -2.0, 3.0, -0.0, 5.0, 6.5, -7.0, 0.0]);
-            let b = l.load(&[2.0, -2.0, -3.0, 4.0, -5.0, 0.5, 7.0, -0.0]);
-            let c = l.splat(3.0);
-            let mut numbers = Vec::new();
-            let results = [
-                l.add(a, b),
-                l.sub(a, b),
-                l.mul(a, b),
-                l.div(c, l.add(c, l.abs(a))),
-                l.mul_add(a, b, c),
-                l.mul_sub(a, b, c),
-                l.min(a, b),
-                l.max(a, b),
-                l.abs(a),
-                l.negated_by(a, b),
-                l.select(l.mask(0b0101_1010), a, b),
-            ];
-            for result in results {
-                let mut eight = [0.0; WIDTH];
-                l.store(result, &mut eight);
-                numbers.push(eight);
+    #[test]
+    fn names_are_those_of_the_instruction_sets() {
+        for name in InstructionSet::NAMES {
+            if let Some(set) = InstructionSet::named(name) {
+                assert_eq!(set.name(), *name);
             }
-            for bits in [0, 0b1, 0b1000_0000, 0b0110_1001, 0xff] {
-                let (mut packed, mut counts) = ([0.0; WIDTH], [0; WIDTH]);
-                l.compress(bits, a, &mut packed);
-                l.compress_bits(bits, [10, 11, 12, 13, 14, 15, 16, 17], &mut counts);
-                // What comes after them may be anything.
-                let end = bits.count_ones() as usize;
-                packed[end..].fill(0.0);
-                counts[end..].fill(0);
-                numbers.extend([packed, counts.map(|count| count as f32)]);
-            }
-            let (x, y) = (l.le(a, b), l.le(c, a));
-            assert_eq!((l.least(a), l.greatest(a), l.least(c)), (-7.0, 6.5, 3.0));
-            (numbers, vec![l.bits(x), l.bits(y), l.bits(l.and(x, y)), l.bits(l.or(x, y))])
         }
+        assert_eq!(InstructionSet::named("scalar"), Some(InstructionSet::baseline()));
+        assert_eq!(InstructionSet::named("mmx"), None);
     }
 
     #[test]
-    fn all_levels_compute_the_same() {
-        let (numbers, bits) = Level::SCALAR.run(Everything);
-        assert_eq!(numbers[4], [5.0, 7.0, -6.0, 3.0, -22.0, 6.25, -46.0, 3.0]);
-        let tail = &numbers[numbers.len() - 4..];
-        assert_eq!(tail[0], [1.0, -0.0, 6.5, -7.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(tail[1], [10.0, 13.0, 15.0, 16.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(tail[3], [10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0]);
-        assert_eq!(bits, [0b1100_1011, 0b0011_0100, 0, 0b1111_1111]);
-        match Level::named("avx2") {
-            Some(level) => assert_eq!(level.run(Everything), (numbers, bits)),
-            None => eprintln!("skipped: this processor has no AVX2"),
+    fn signs_are_flipped_where_they_are_negative() {
+        for name in InstructionSet::NAMES {
+            let Some(set) = InstructionSet::named(name) else { continue };
+            let flipped = with_simd!(set, simd => {
+                let a = load(simd, &[1.0, 2.0, -3.0, 0.0, 5.0, -6.0, 7.0, 8.0]);
+                let b = load(simd, &[1.0, -1.0, -0.0, -2.0, 0.0, 3.0, f32::NEG_INFINITY, 9.0]);
+                flip_sign(simd, a, b).to_array()
+            });
+            assert_eq!(
+                flipped.map(f32::to_bits),
+                [1.0, -2.0, 3.0, -0.0, 5.0, -6.0, -7.0, 8.0f32].map(f32::to_bits)
+            );
         }
     }
 }

@@ -1,290 +1,182 @@
-//! Runs: up to 64 rays that are followed together, one bit of a mask each.
+//! Packets: up to 64 rays that are followed together.
 //!
-//! The coordinates of a run stand apart, all x, then all y, then all z. A loop over them that calls a scalar definition
-//! is compiled to several rays an instruction, with the very bits that each ray alone would have: where a definition
-//! is wanted wide, it is not written again.
+//! This page explains the words that all wide code uses.
+//!
+//! A *packet* holds what is known of 64 rays, each kind of number in an array of its own ("structure of arrays"). A
+//! ray's place in these arrays is its *lane*. A *mask* is a `u64` that says which lanes are meant: bit i stands for
+//! lane i. Lanes outside the *active mask* hold numbers too, but nobody looks at them.
+//!
+//! ```text
+//!            lane    0    1    2    3    4    5    6    7    8   ...   63
+//! origin.x         [ x0 | x1 | x2 | x3 | x4 | x5 | x6 | x7 | x8 | ... | x63 ]
+//! origin.y         [ y0 | y1 | y2 | y3 | y4 | y5 | y6 | y7 | y8 | ... | y63 ]
+//! origin.z         [ z0 | z1 | z2 | z3 | z4 | z5 | z6 | z7 | z8 | ... | z63 ]
+//!                    '---- one AVX2 register --'
+//! active mask        1    1    0    1    1    1    0    1    0   ...    0      = 0b...0_1011_1011
+//! span of the mask   '--------- a loop runs over these -----'  whole groups of eight
+//! ```
+//!
+//! A loop over the [`span`] of a mask that calls a scalar formula is compiled to several lanes an instruction, and
+//! gives each lane the bits that the formula alone gives. So a formula is written once and is wide all the same.
+//!
+//! Rays meet a tree in one of three ways. *Single*: one ray by itself. *Packet*: rays that lie side by side go down the
+//! tree together and share the tests of boxes. *Stream*: rays with nothing in common each keep a stack of their own, but
+//! each step is done for all of them before the next one begins.
 
-use super::ray::ShearAxes;
-use super::{PreparedRay, Ray};
-use crate::accel::simd::{Lanes, Level, Task};
+use super::Simd;
+use crate::objects::{PreparedRay, Ray};
 use vecmath::{Real, Vector3};
 
-/// Rays in a run, at most: one for each bit of a mask.
-pub const RUN: usize = 64;
+/// Lanes of a packet: one for each bit of a mask.
+pub const PACKET: usize = 64;
 
-/// A number for each ray of a run.
-pub type Numbers = [Real; RUN];
+/// A number for each lane.
+pub type Scalars = [Real; PACKET];
 
-/// The numbers of the rays in a mask.
-pub fn numbers_in(mut mask: u64) -> impl Iterator<Item = usize> {
+/// Iterates over the lanes of a mask.
+pub fn lanes_in(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        let number = mask.trailing_zeros() as usize;
-        let some = mask != 0;
+        let lane = mask.trailing_zeros() as usize;
+        let is_any = mask != 0;
         mask &= mask.wrapping_sub(1);
-        some.then_some(number % RUN)
+        is_any.then_some(lane % PACKET)
     })
 }
 
-/// The first rays of a run as a mask.
-pub fn first(count: usize) -> u64 {
+/// Returns the mask of the first lanes.
+pub fn first_lanes(count: usize) -> u64 {
     match count {
         0 => 0,
-        _ => u64::MAX >> (RUN - count.min(RUN)),
+        _ => u64::MAX >> (PACKET - count.min(PACKET)),
     }
 }
 
-/// The rays of a mask and some between them: from a multiple of eight to a multiple of eight.
+/// Returns the lanes from the first to the last of a mask, rounded outward to whole groups of eight, so that loops need
+/// no remainder.
 #[inline(always)]
-pub fn around(mask: u64) -> std::ops::Range<usize> {
+pub fn span(mask: u64) -> std::ops::Range<usize> {
     let (before, after) = (mask.trailing_zeros() as usize & !7, mask.leading_zeros() as usize & !7);
-    before..RUN - after
+    before..PACKET - after
 }
 
-/// Whether asking all rays [`around`] a mask together pays, if so many take the time of one by itself.
-pub fn is_dense(mask: u64, in_the_time_of_one: usize) -> bool {
-    mask != 0 && around(mask).len() < in_the_time_of_one * mask.count_ones() as usize
+/// Returns whether a loop over the [`span`] of a mask pays, if one ray by itself takes the time of so many lanes of it.
+pub fn is_dense(mask: u64, lanes_per_single: usize) -> bool {
+    mask != 0 && span(mask).len() < lanes_per_single * mask.count_ones() as usize
 }
 
-/// A vector for each ray of a run, by coordinates.
+/// Returns whether a lane is in a mask.
+#[inline(always)]
+pub fn has_lane(mask: u64, lane: usize) -> bool {
+    mask >> lane & 1 == 1
+}
+
+/// A vector for each lane, axis by axis.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Vectors(pub [Numbers; 3]);
+pub struct Vectors(pub [Scalars; 3]);
 
 impl Vectors {
-    pub const ZERO: Self = Self([[0.0; RUN]; 3]);
+    pub const ZERO: Self = Self([[0.0; PACKET]; 3]);
 
-    #[inline(always)]
-    pub fn get(&self, number: usize) -> Vector3 {
-        Vector3::new(self.0[0][number], self.0[1][number], self.0[2][number])
+    /// The same vector in all lanes.
+    pub fn splat(vector: Vector3) -> Self {
+        Self(vector.to_array().map(|component| [component; PACKET]))
     }
 
     #[inline(always)]
-    pub fn set(&mut self, number: usize, vector: Vector3) {
-        self.0[0][number] = vector.x;
-        self.0[1][number] = vector.y;
-        self.0[2][number] = vector.z;
+    pub fn get(&self, lane: usize) -> Vector3 {
+        Vector3::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
     }
-}
 
-impl Vectors {
-    /// Replaces the vectors of a mask by their unit vectors; zero stays zero.
     #[inline(always)]
-    pub fn normalize(&mut self, mask: u64) {
+    pub fn set(&mut self, lane: usize, vector: Vector3) {
+        self.0[0][lane] = vector.x;
+        self.0[1][lane] = vector.y;
+        self.0[2][lane] = vector.z;
+    }
+
+    /// Normalises the vectors of the active lanes; zero stays zero. Call it inside `vectorize`.
+    #[inline(always)]
+    pub fn normalize(&mut self, active: u64) {
         let mut all_usual = true;
-        for number in around(mask) {
-            let vector = self.get(number);
+        for lane in span(active) {
+            let vector = self.get(lane);
             let is_usual = vector.is_usual();
             let divisor = if is_usual { vector.length() } else { 1.0 };
-            self.set(number, vector / divisor);
+            self.set(lane, vector / divisor);
             all_usual &= is_usual;
         }
         if !all_usual {
-            self.normalize_unusual(mask);
+            self.normalize_unusual(active);
         }
     }
 
-    /// The usual ones are unit vectors by now.
+    /// Normalises those whose length is near an end of the range of numbers. All others are unit vectors by now.
     #[cold]
-    fn normalize_unusual(&mut self, mask: u64) {
-        for number in numbers_in(mask) {
-            let vector = self.get(number);
+    fn normalize_unusual(&mut self, active: u64) {
+        for lane in lanes_in(active) {
+            let vector = self.get(lane);
             if !vector.is_usual() {
-                self.set(number, vector.normalized());
+                self.set(lane, vector.normalized());
             }
         }
     }
 }
 
-/// Rays by coordinates. Which of them there are is said elsewhere, in a mask; all others are rays too, of no interest.
+/// Rays, lane by lane. Lanes that are not active hold rays as well.
 #[derive(Clone, Copy, Debug)]
-pub struct RayRun {
+pub struct RayPacket {
     pub origin: Vectors,
     pub direction: Vectors,
+    /// 1 / direction, once [`prepare`](Self::prepare) has computed it.
+    pub inverse_direction: Vectors,
 }
 
-impl RayRun {
-    pub const NONE: Self =
-        Self { origin: Vectors::ZERO, direction: Vectors([[0.0; RUN], [0.0; RUN], [1.0; RUN]]) };
+impl RayPacket {
+    /// Rays of no interest.
+    pub const NONE: Self = Self {
+        origin: Vectors::ZERO,
+        direction: Vectors([[0.0; PACKET], [0.0; PACKET], [1.0; PACKET]]),
+        inverse_direction: Vectors([[Real::INFINITY; PACKET], [Real::INFINITY; PACKET], [1.0; PACKET]]),
+    };
 
     #[inline(always)]
-    pub fn get(&self, number: usize) -> Ray {
-        Ray { origin: self.origin.get(number), direction: self.direction.get(number) }
+    pub fn get(&self, lane: usize) -> Ray {
+        Ray { origin: self.origin.get(lane), direction: self.direction.get(lane) }
     }
 
     #[inline(always)]
-    pub fn set(&mut self, number: usize, ray: Ray) {
-        self.origin.set(number, ray.origin);
-        self.direction.set(number, ray.direction);
+    pub fn set(&mut self, lane: usize, ray: Ray) {
+        self.origin.set(lane, ray.origin);
+        self.direction.set(lane, ray.direction);
     }
-}
 
-/// Rays with 1 / direction.
-#[derive(Clone, Copy)]
-pub struct PreparedRun<'a> {
-    pub rays: &'a RayRun,
-    pub inverse_direction: &'a Vectors,
-}
-
-impl PreparedRun<'_> {
-    /// The rays of a mask by the axis along which they are sheared for triangles.
-    pub fn by_shear_axis(&self, mask: u64) -> [u64; 3] {
-        let mut axes = [0; 3];
-        for number in numbers_in(mask) {
-            axes[ShearAxes::of(self.rays.direction.get(number)).z] |= 1 << number;
-        }
-        axes
-    }
-}
-
-impl PreparedRun<'_> {
+    /// Returns a ray with its reciprocals. The packet must be prepared.
     #[inline(always)]
-    pub fn get(&self, number: usize) -> PreparedRay {
-        PreparedRay { ray: self.rays.get(number), inverse_direction: self.inverse_direction.get(number) }
-    }
-}
-
-/// Computes 1 / direction of the rays of a mask.
-pub struct Prepare<'a> {
-    pub rays: &'a RayRun,
-    pub mask: u64,
-    pub inverse_direction: &'a mut Vectors,
-}
-
-impl Task for Prepare<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        for number in around(self.mask) {
-            let prepared = PreparedRay::new(self.rays.get(number));
-            self.inverse_direction.set(number, prepared.inverse_direction);
-        }
-    }
-}
-
-/// Rays in world space, prepared when they are first needed.
-pub struct WorldRun<'a> {
-    rays: &'a RayRun,
-    mask: u64,
-    inverse_direction: &'a mut Vectors,
-    is_prepared: bool,
-}
-
-impl<'a> WorldRun<'a> {
-    /// The rays of a mask. There is room for what is computed of them in `inverse_direction`.
-    pub fn new(rays: &'a RayRun, mask: u64, inverse_direction: &'a mut Vectors) -> Self {
-        Self { rays, mask, inverse_direction, is_prepared: false }
+    pub fn get_prepared(&self, lane: usize) -> PreparedRay {
+        PreparedRay { ray: self.get(lane), inverse_direction: self.inverse_direction.get(lane) }
     }
 
-    pub fn rays(&self) -> &RayRun {
-        self.rays
-    }
-
-    /// One of the rays, prepared.
-    #[inline(always)]
-    pub fn get(&self, number: usize) -> PreparedRay {
-        if self.is_prepared {
-            PreparedRun { rays: self.rays, inverse_direction: self.inverse_direction }.get(number)
-        } else {
-            PreparedRay::new(self.rays.get(number))
-        }
-    }
-
-    pub fn prepared(&mut self, level: Level) -> PreparedRun<'_> {
-        if !self.is_prepared {
-            level.run(Prepare { rays: self.rays, mask: self.mask, inverse_direction: self.inverse_direction });
-            self.is_prepared = true;
-        }
-        PreparedRun { rays: self.rays, inverse_direction: self.inverse_direction }
-    }
-}
-
-/// Something that is known of each ray of a run.
-pub trait Lanewise {
-    /// Of no interest for any ray.
-    const NONE: Self;
-}
-
-impl Lanewise for RayRun {
-    const NONE: Self = Self::NONE;
-}
-
-/// Something known of any number of rays, run by run.
-#[derive(Debug)]
-pub struct Runs<T> {
-    /// Those in use come first.
-    runs: Vec<T>,
-    count: usize,
-}
-
-/// Any number of rays.
-pub type Rays = Runs<RayRun>;
-
-impl<T> Default for Runs<T> {
-    fn default() -> Self {
-        Self { runs: Vec::new(), count: 0 }
-    }
-}
-
-impl<T: Lanewise> Runs<T> {
-    pub fn clear(&mut self) {
-        self.count = 0;
-    }
-
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Room for one more: its run, and its number there.
+    /// Computes 1 / direction of the active lanes.
     #[inline]
-    pub fn add(&mut self) -> (&mut T, usize) {
-        let (index, number) = (self.count / RUN, self.count % RUN);
-        if index == self.runs.len() {
-            self.runs.push(T::NONE);
-        }
-        self.count += 1;
-        (&mut self.runs[index], number)
-    }
-
-    /// Room for so many, for the caller to fill.
-    pub fn resize(&mut self, count: usize) -> &mut [T] {
-        let runs = count.div_ceil(RUN);
-        while self.runs.len() < runs {
-            self.runs.push(T::NONE);
-        }
-        self.count = count;
-        &mut self.runs[..runs]
-    }
-
-    /// The runs, each with a mask of its rays.
-    pub fn runs(&self) -> impl Iterator<Item = (&T, u64)> {
-        let runs = &self.runs[..self.count.div_ceil(RUN)];
-        runs.iter().enumerate().map(|(index, run)| (run, first(self.count - index * RUN)))
-    }
-
-    /// The same, to be changed.
-    pub fn runs_mut(&mut self) -> impl Iterator<Item = (&mut T, u64)> {
-        let count = self.count;
-        let runs = &mut self.runs[..count.div_ceil(RUN)];
-        runs.iter_mut().enumerate().map(move |(index, run)| (run, first(count - index * RUN)))
+    pub fn prepare<S: Simd>(&mut self, simd: S, active: u64) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                for lane in span(active) {
+                    let prepared = PreparedRay::new(self.get(lane));
+                    self.inverse_direction.set(lane, prepared.inverse_direction);
+                }
+            },
+        );
     }
 }
 
-impl Rays {
-    pub fn push(&mut self, ray: Ray) {
-        let (run, number) = self.add();
-        run.set(number, ray);
-    }
-}
-
-impl FromIterator<Ray> for Rays {
+impl FromIterator<Ray> for RayPacket {
+    /// Makes a packet of at most 64 rays, in order.
     fn from_iter<I: IntoIterator<Item = Ray>>(iter: I) -> Self {
-        let mut rays = Self::default();
-        iter.into_iter().for_each(|ray| rays.push(ray));
-        rays
+        let mut packet = Self::NONE;
+        iter.into_iter().take(PACKET).enumerate().for_each(|(lane, ray)| packet.set(lane, ray));
+        packet
     }
 }

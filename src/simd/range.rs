@@ -1,30 +1,31 @@
-//! [`Range`]: the smallest and the largest of numbers in lanes.
+//! [`Range`]: the smallest and the largest of many numbers.
 
-use super::simd::Lanes;
+use super::{Simd, f32x8, mask32x8, splat};
+use fearless_simd::prelude::*;
 
-/// Smallest and largest numbers so far, lane by lane.
+/// The smallest and the largest numbers so far, lane by lane.
 #[derive(Clone, Copy)]
-pub struct Range<F> {
-    low: F,
-    high: F,
+pub struct Range<S: Simd> {
+    low: f32x8<S>,
+    high: f32x8<S>,
 }
 
-impl<F: Copy> Range<F> {
+impl<S: Simd> Range<S> {
     #[inline(always)]
-    pub fn empty<L: Lanes<F = F>>(l: L) -> Self {
-        Self { low: l.splat(f32::INFINITY), high: l.splat(f32::NEG_INFINITY) }
+    pub fn empty(simd: S) -> Self {
+        Self { low: splat(simd, f32::INFINITY), high: splat(simd, f32::NEG_INFINITY) }
     }
 
-    /// Takes the numbers of a mask in, none of them NaN.
+    /// Takes in the numbers of the active lanes, none of them NaN.
     #[inline(always)]
-    pub fn widen<L: Lanes<F = F>>(&mut self, l: L, mask: L::M, value: F) {
-        self.low = l.min(self.low, l.select(mask, value, l.splat(f32::INFINITY)));
-        self.high = l.max(self.high, l.select(mask, value, l.splat(f32::NEG_INFINITY)));
+    pub fn widen(&mut self, simd: S, active: mask32x8<S>, value: f32x8<S>) {
+        self.low = self.low.min(active.select(value, splat(simd, f32::INFINITY)));
+        self.high = self.high.max(active.select(value, splat(simd, f32::NEG_INFINITY)));
     }
 
-    /// Of all lanes together.
+    /// Returns the smallest and the largest number of all lanes.
     #[inline(always)]
-    pub fn ends<L: Lanes<F = F>>(&self, l: L) -> (f32, f32) {
-        (l.least(self.low), l.greatest(self.high))
+    pub fn ends(&self) -> (f32, f32) {
+        (self.low.reduce_min(), self.high.reduce_max())
     }
 }
