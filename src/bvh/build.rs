@@ -1,39 +1,42 @@
-//! Boxes in, [`Tree`] out: a binary tree by [`split`], and the cheapest tree of eight boxes a node that can be made
-//! from it.
+//! Boxes in, [`Bvh`] out: builds a binary tree by the surface area heuristic ([`sah`]), and collapses it to the cheapest
+//! tree of eight boxes a node.
 //!
-//! Which nodes of the binary tree remain is decided from the leaves upwards for all at once (Ylitie, Karras, Laine:
+//! Which nodes of the binary tree remain is decided from the leaves upwards for the whole tree (Ylitie, Karras, Laine:
 //! Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, 2017, section 3). Subtrees are built in
-//! parallel; the tree does not depend on how many threads there are.
+//! parallel. The tree does not depend on the number of threads or on the instruction set.
 
-use super::frame::Planes;
-use super::simd::WIDTH;
-use super::split::{self, Around, Item, PARALLEL_ITEMS};
-use super::tree::{Child, Node, Tree};
+use super::node::{Bvh, Child, Node};
+use super::sah::{self, Enclosing, PARALLEL_ITEMS};
+use super::space::{CullingSpace, Planes};
+use crate::simd::{InstructionSet, Simd, WIDTH, with_simd};
 use rayon::prelude::*;
 use std::array::from_fn;
+
+pub use super::sah::Item;
 
 /// Below this depth ranges are halved by number alone, so that no tree is deeper than about this + 31.
 const SAH_DEPTH: usize = 64;
 
-/// A tree and what its leaves hold.
-pub struct Built {
-    pub tree: Tree,
-    /// A leaf's first place in `numbers`, and how many items it has.
-    pub leaves: Vec<(u32, u32)>,
-    /// Item numbers in the order of the leaves' places.
-    pub numbers: Vec<u32>,
-}
-
-/// Builds a tree whose leaves hold at most `LEAF_ITEMS` items.
-pub fn build<const LEAF_ITEMS: usize>(mut items: Vec<Item>) -> Built {
+/// Builds a tree whose leaves hold at most `LEAF_ITEMS` items; `leaf` makes a leaf of its items' numbers. Items must be in
+/// `space`.
+pub fn build<const LEAF_ITEMS: usize, Leaf: Send>(
+    space: CullingSpace,
+    mut items: Vec<Item>,
+    leaf: impl Fn(&[u32]) -> Leaf + Sync,
+) -> Bvh<Leaf> {
     let mut collapse = Collapse { binary: Vec::new(), nodes: Vec::new(), leaves: Vec::new() };
     if !items.is_empty() {
-        let around = Around::of(&items);
-        part::<LEAF_ITEMS>(&mut items, 0, &around, 0, &mut collapse.binary);
-        collapse.node(0);
+        with_simd!(InstructionSet::detected(), simd => {
+            let enclosing = Enclosing::of(simd, &items);
+            build_range::<LEAF_ITEMS, _>(simd, &mut items, 0, &enclosing, 0, &mut collapse.binary);
+        });
+        collapse.add_node(0);
     }
     let Collapse { nodes, leaves, .. } = collapse;
-    Built { tree: Tree { nodes }, leaves, numbers: items.par_iter().map(Item::number).collect() }
+    let numbers: Vec<u32> = items.par_iter().map(Item::number).collect();
+    drop(items);
+    let leaf = |&(start, count): &(u32, u32)| leaf(&numbers[start as usize..(start + count) as usize]);
+    Bvh { space, nodes, leaves: leaves.par_iter().map(leaf).collect() }
 }
 
 /// A node of the binary tree. Its first child is the next node.
@@ -41,9 +44,9 @@ struct Binary {
     planes: Planes,
     start: u32,
     count: u32,
-    /// How many nodes further its second child is; 0 for a leaf.
+    /// How many nodes later its second child comes; 0 for a leaf.
     second: u32,
-    /// How up to 1, 2, ... 8 boxes around its items are best shared out.
+    /// For each number of boxes from 1 to 8, the best way to share them between its children.
     shares: [Share; WIDTH],
 }
 
@@ -52,52 +55,53 @@ type Share = (u8, u8);
 /// One box for both children together.
 const WHOLE: Share = (0, 0);
 
-/// The least costs of having a part of the binary tree in up to 1, 2, ... 7 boxes, in visits of nodes. Leaves cost nothing:
-/// they are visited in any case.
+/// The least costs of a subtree of the binary tree in up to 1, 2, ... 7 boxes, in visits of nodes. Leaves cost nothing: they
+/// are visited in any case.
 type Costs = [f32; WIDTH - 1];
 
 /// Adds the binary tree of a range of items, which starts at `start`, to `nodes`.
-fn part<const LEAF_ITEMS: usize>(
+fn build_range<const LEAF_ITEMS: usize, S: Simd>(
+    simd: S,
     items: &mut [Item],
     start: u32,
-    around: &Around,
+    enclosing: &Enclosing,
     depth: usize,
     nodes: &mut Vec<Binary>,
 ) -> Costs {
     let (index, count) = (nodes.len(), items.len());
-    let planes = around.boxes.planes();
+    let planes = enclosing.boxes.planes();
     nodes.push(Binary { planes, start, count: count as u32, second: 0, shares: [WHOLE; WIDTH] });
     if count <= LEAF_ITEMS {
         return [0.0; WIDTH - 1];
     }
     let (first, sides) = if depth < SAH_DEPTH {
-        // Leaves are tested whole, so what counts is how many of them are needed.
-        split::split(items, around, |count| count.div_ceil(LEAF_ITEMS as u32) as f32)
+        // Leaves are tested whole, so the cost is how many of them are needed.
+        sah::split(simd, items, enclosing, |count| count.div_ceil(LEAF_ITEMS as u32) as f32)
     } else {
-        split::halve(items)
+        sah::halve(simd, items)
     };
     let (left, right) = items.split_at_mut(first);
     let (middle, depth) = (start + first as u32, depth + 1);
     let costs = if count <= PARALLEL_ITEMS {
-        let left = part::<LEAF_ITEMS>(left, start, &sides[0], depth, nodes);
+        let left = build_range::<LEAF_ITEMS, S>(simd, left, start, &sides[0], depth, nodes);
         nodes[index].second = (nodes.len() - index) as u32;
-        [left, part::<LEAF_ITEMS>(right, middle, &sides[1], depth, nodes)]
+        [left, build_range::<LEAF_ITEMS, S>(simd, right, middle, &sides[1], depth, nodes)]
     } else {
         let mut below = Vec::new();
         let (left, right) = rayon::join(
-            || part::<LEAF_ITEMS>(left, start, &sides[0], depth, nodes),
-            || part::<LEAF_ITEMS>(right, middle, &sides[1], depth, &mut below),
+            || build_range::<LEAF_ITEMS, S>(simd, left, start, &sides[0], depth, nodes),
+            || build_range::<LEAF_ITEMS, S>(simd, right, middle, &sides[1], depth, &mut below),
         );
         nodes[index].second = (nodes.len() - index) as u32;
         nodes.append(&mut below);
         [left, right]
     };
-    let (costs, shares) = shared_out(&costs, around.boxes.half_area());
+    let (costs, shares) = shared_out(&costs, enclosing.boxes.half_area());
     nodes[index].shares = shares;
     costs
 }
 
-/// The costs of a node from those of its children, and how its boxes are shared out.
+/// Returns the costs of a node from those of its children, and how its boxes are shared between them.
 fn shared_out([left, right]: &[Costs; 2], area: f32) -> (Costs, [Share; WIDTH]) {
     let mut shares = [WHOLE; WIDTH];
     let mut costs = [f32::INFINITY; WIDTH];
@@ -121,7 +125,7 @@ fn shared_out([left, right]: &[Costs; 2], area: f32) -> (Costs, [Share; WIDTH]) 
     (costs, shares)
 }
 
-/// The binary tree on its way to a wide one.
+/// Collapses a binary tree to one of eight boxes a node.
 struct Collapse {
     binary: Vec<Binary>,
     nodes: Vec<Node>,
@@ -129,35 +133,35 @@ struct Collapse {
 }
 
 impl Collapse {
-    /// Adds the node of a binary node, and everything below it.
-    fn node(&mut self, of: usize) -> Child {
+    /// Adds the wide node of a binary node, and everything below it.
+    fn add_node(&mut self, of: usize) -> Child {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);
         let (mut boxes, mut used) = ([0; WIDTH], 0);
-        self.boxes(of, WIDTH, &mut boxes, &mut used);
+        self.collect_children(of, WIDTH, &mut boxes, &mut used);
         for (place, &inner) in boxes[..used].iter().enumerate() {
             let Binary { planes, start, count, second, .. } = self.binary[inner];
             let child = if second == 0 {
                 self.leaves.push((start, count));
                 Child::leaf(self.leaves.len() as u32 - 1)
             } else {
-                self.node(inner)
+                self.add_node(inner)
             };
             self.nodes[index].set(place, &planes, child);
         }
         Child::node(index as u32)
     }
 
-    /// What of the binary tree up to `most` boxes for a part of it are around.
-    fn boxes(&self, of: usize, most: usize, found: &mut [usize; WIDTH], used: &mut usize) {
+    /// Collects the roots of the at most `max_children` subtrees that become a node's children.
+    fn collect_children(&self, of: usize, max_children: usize, found: &mut [usize; WIDTH], used: &mut usize) {
         let node = &self.binary[of];
-        let (first, second) = node.shares[most - 1];
+        let (first, second) = node.shares[max_children - 1];
         if (first, second) == WHOLE {
             found[*used] = of;
             *used += 1;
         } else {
-            self.boxes(of + 1, first.into(), found, used);
-            self.boxes(of + node.second as usize, second.into(), found, used);
+            self.collect_children(of + 1, first.into(), found, used);
+            self.collect_children(of + node.second as usize, second.into(), found, used);
         }
     }
 }

@@ -1,28 +1,34 @@
-//! Finding the nearest of many objects without asking each.
+//! Finding what a ray may hit without testing every item: a bounding volume hierarchy of eight boxes a node.
 //!
-//! The contract: exactly the hit that a loop over all objects returns, to the last bit. Nobody who wants to understand
-//! the picture needs to read further here. Boxes and pre-tests in `f32` only ever discard what cannot be hit
-//! ([`frame`] and [`triangles`] say why); the objects decide, in [`Real`](vecmath::Real).
+//! ```text
+//! boxes of items --build, sah--> Bvh<Leaf> --single, packet or stream traversal--> leaves that a ray may hit
+//! ```
 //!
-//! [`build`] makes a [`Tree`](tree::Tree) of boxes, [`walk`] takes one ray through it, [`beam`] up to 64 that lie side by
-//! side and [`stream`] up to 64 that do not; all of it is written once, in the lanes of [`simd`].
+//! The contract: culling only discards what provably cannot be hit. So the answer of a query is that of a loop over all
+//! items, to the last bit. Boxes and triangles are culled in `f32`, in a [`CullingSpace`] in which all rounding errors are
+//! bounded by constants ([`space`] and [`triangle_block`] derive them). Whoever traverses a tree runs the exact tests
+//! of [`objects`](crate::objects) on what is left over.
+//!
+//! The tree knows boxes and not what is in them. There is one for the objects of a scene (`Bvh<u32>`, a leaf is an
+//! object's index) and one for each mesh (`Bvh<TriangleBlock>`). Who wants to know what a picture is needs nothing here.
 
-mod beam;
-mod build;
-mod bundle;
-mod frame;
-pub mod kept;
-mod objects;
-mod questions;
-mod range;
+pub mod build;
+mod culling_packet;
+mod node;
+mod packet;
+mod packet_bounds;
+mod sah;
 mod shaft;
-pub mod simd;
-mod split;
+mod single;
+mod space;
 mod stream;
-mod tree;
-mod triangle_tree;
-mod triangles;
-mod walk;
+mod triangle_block;
 
-pub use objects::{Accelerator, Hit, LOOP_OBJECTS};
-pub use triangle_tree::{Decide, TriangleTree};
+pub use culling_packet::{CullingPacket, GROUPS};
+pub use node::Bvh;
+pub use packet::{FEW, LeafVisitor, TraversalScratch};
+pub use packet_bounds::PacketBounds;
+pub use shaft::Shaft;
+pub use single::DONE;
+pub use space::{CullingSpace, Entry};
+pub use triangle_block::{TriangleBlock, build_triangle_bvh};

@@ -1,11 +1,12 @@
-//! [`Tree`]: eight boxes a node, as the processor likes to read them.
+//! [`Bvh`] and its [`Node`]s of eight boxes, laid out as vectors are loaded.
 //!
-//! What the leaves stand for is known to whoever walks the tree, and how to build one to [`build`](super::build).
+//! The tree knows boxes and not what its leaves stand for. [`build`](super::build) makes one; whoever traverses it tests
+//! the leaves.
 
-use super::frame::Planes;
-use super::simd::{Eight, WIDTH};
+use super::space::{CullingSpace, Planes};
+use crate::simd::{Eight, WIDTH};
 
-/// 224 bytes, seven times what a register holds:
+/// Eight boxes and what is in them: 224 bytes, seven vectors.
 ///
 /// | bytes | what |
 /// |---|---|
@@ -13,8 +14,8 @@ use super::simd::{Eight, WIDTH};
 /// | 96..192 | upper x, y, z |
 /// | 192..224 | what is in the eight boxes, see [`Child`] |
 ///
-/// Boxes are in the tree's [`Frame`](super::frame::Frame), margin included. Unused places come last; their boxes are a
-/// point far away (10^30 on each axis), which neither a ray meets within its limit nor a shaft.
+/// Boxes are in the tree's [`CullingSpace`], margin included. Unused places come last. Their boxes are one point far
+/// away (10^30 on each axis), which no ray meets within its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node {
@@ -22,8 +23,8 @@ pub struct Node {
     pub children: [Child; WIDTH],
 }
 
-/// What is in a box. Bit 31 set: the leaf whose number the other bits are; otherwise the node of that index, which is
-/// larger than its parent's. All bits set: nothing.
+/// What is in a box: with bit 31 set, the leaf whose index the other bits are; otherwise the node of that index, which is
+/// larger than its parent's. With all bits set there is nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Child(u32);
@@ -49,7 +50,7 @@ impl Child {
         self.0 & LEAF_BIT != 0
     }
 
-    /// The child as a number, and back.
+    /// Returns the child as a number; [`of_bits`](Self::of_bits) turns it back.
     #[inline(always)]
     pub fn bits(self) -> u32 {
         self.0
@@ -60,7 +61,7 @@ impl Child {
         Self(bits)
     }
 
-    /// A leaf's number or a node's index.
+    /// Returns the index of the leaf or of the node.
     #[inline(always)]
     pub fn index(self) -> usize {
         (self.0 & !LEAF_BIT) as usize
@@ -82,22 +83,28 @@ impl Node {
     }
 }
 
-/// A bounding volume hierarchy without its items. The root is node 0; an empty tree has none.
-#[derive(Debug, Default)]
-pub struct Tree {
+/// A bounding volume hierarchy. The root is node 0.
+#[derive(Debug)]
+pub struct Bvh<Leaf> {
+    pub space: CullingSpace,
     pub nodes: Vec<Node>,
+    pub leaves: Vec<Leaf>,
 }
 
-impl Tree {
-    /// Whether the tree is one: every node but the root and every leaf from 0 to `leaves` is in exactly one box, that
-    /// box encloses what is in it, and unused places are last and empty. `leaf_planes` are what a leaf's box must
-    /// enclose.
+impl<Leaf> Bvh<Leaf> {
+    /// Returns the bytes of nodes and leaves on the heap.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.leaves.as_slice())
+    }
+
+    /// Checks the structure: every node but the root and every leaf is in exactly one box, that box encloses what is in
+    /// it, and unused places are last and empty. `leaf_planes` returns what a leaf's box must enclose.
     ///
     /// # Errors
     /// The first flaw in words.
-    pub fn validate(&self, leaves: usize, leaf_planes: impl Fn(usize) -> Planes) -> Result<(), String> {
+    pub fn validate(&self, leaf_planes: impl Fn(&Leaf) -> Planes) -> Result<(), String> {
         let mut node_parents = vec![0u32; self.nodes.len()];
-        let mut leaf_parents = vec![0u32; leaves];
+        let mut leaf_parents = vec![0u32; self.leaves.len()];
         for (index, node) in self.nodes.iter().enumerate() {
             let used = node.children.iter().take_while(|&&child| child != Child::NONE).count();
             for place in used..WIDTH {
@@ -110,7 +117,7 @@ impl Tree {
                 let outer = node.planes_of(place);
                 let inner = if child.is_leaf() {
                     *leaf_parents.get_mut(child.index()).ok_or("a leaf's number is too large")? += 1;
-                    leaf_planes(child.index())
+                    leaf_planes(&self.leaves[child.index()])
                 } else {
                     if child.index() <= index {
                         return Err(format!("node {index}: its child {} comes before it", child.index()));
@@ -135,7 +142,7 @@ impl Tree {
 }
 
 impl Node {
-    /// The box around all boxes in use.
+    /// Returns the box around all boxes in use.
     fn around(&self) -> Planes {
         let used = (0..WIDTH).filter(|&place| self.children[place] != Child::NONE);
         let boxes = used.map(|place| self.planes_of(place));

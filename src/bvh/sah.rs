@@ -1,11 +1,12 @@
-//! [`Item`]s in, the cheapest of some ways to part them in two out.
+//! [`Item`]s in, the cheapest of some ways to split them in two out.
 //!
 //! Splits are chosen by the surface area heuristic over binned centres (Wald: On fast Construction of SAH-based
-//! Bounding Volume Hierarchies, 2007). Nothing depends on the number of threads or on the processor: minima and counts
-//! come out the same in any order.
+//! Bounding Volume Hierarchies, 2007). Nothing depends on the number of threads or on the instruction set: minima and
+//! counts come out the same in any order.
 
-use super::frame::Planes;
-use super::simd::{Eight, Lanes, Level, Task, WIDTH};
+use super::space::Planes;
+use crate::simd::{Eight, Simd, WIDTH, load, splat};
+use fearless_simd::prelude::*;
 use rayon::prelude::*;
 use std::array::from_fn;
 
@@ -14,8 +15,8 @@ const BINS: usize = 16;
 /// Ranges above this length are shared out among threads.
 pub const PARALLEL_ITEMS: usize = 1 << 14;
 
-/// Lower x, y, z and something else, then upper x, y, z with their signs changed and something else: the box around two
-/// boxes is one minimum of eight numbers.
+/// A box as eight numbers: lower x, y, z and one unused, then upper x, y, z with their signs changed and one unused. So the
+/// box around two boxes is one minimum of vectors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Bounds(Eight);
@@ -28,7 +29,7 @@ impl Bounds {
         [a, b, c, -d, -e, -f]
     }
 
-    /// Infinite for an empty box.
+    /// Returns half of the box's surface area; infinite for an empty box.
     #[inline(always)]
     pub fn half_area(&self) -> f32 {
         let [x, y, z]: [f32; 3] = from_fn(|axis| self.0[axis] + self.0[axis + 4]);
@@ -36,8 +37,8 @@ impl Bounds {
     }
 
     #[inline(always)]
-    fn add<L: Lanes>(&mut self, l: L, other: &Eight) {
-        l.store(l.min(l.load(other), l.load(&self.0)), &mut self.0);
+    fn add<S: Simd>(&mut self, simd: S, other: &Eight) {
+        load(simd, other).min(load(simd, &self.0)).store_array(&mut self.0);
     }
 
     fn merged(self, other: Self) -> Self {
@@ -45,8 +46,8 @@ impl Bounds {
     }
 }
 
-/// What is to be put into a tree: its box in the tree's frame, and its number, of which each half is one of the box's
-/// two other numbers.
+/// What is to be put into a tree: its box in culling space, and its number, whose halves are in the box's two unused
+/// numbers.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Item(Eight);
@@ -61,81 +62,80 @@ impl Item {
         self.0[3] as u32 | (self.0[7] as u32) << 16
     }
 
-    /// Twice the centre as a box.
+    /// Returns twice the centre, as a box.
     #[inline(always)]
     fn center(&self) -> Eight {
         from_fn(|i| self.0[i] - self.0[(i + 4) % WIDTH])
     }
 }
 
-/// Boxes around items and around twice their centres.
+/// The box around items, and the box around twice their centres.
 #[derive(Clone, Copy, Debug)]
-pub struct Around {
+pub struct Enclosing {
     pub boxes: Bounds,
     centers: Bounds,
 }
 
-impl Around {
+impl Enclosing {
     const EMPTY: Self = Self { boxes: Bounds::EMPTY, centers: Bounds::EMPTY };
 
-    pub fn of(items: &[Item]) -> Self {
-        let of_part = |items| Level::detected().run(Enclose(items));
+    pub fn of<S: Simd>(simd: S, items: &[Item]) -> Self {
+        let of_part = |items: &[Item]| {
+            simd.vectorize(
+                #[inline(always)]
+                move || {
+                    let mut enclosing = Self::EMPTY;
+                    for item in items {
+                        enclosing.boxes.add(simd, &item.0);
+                        enclosing.centers.add(simd, &item.center());
+                    }
+                    enclosing
+                },
+            )
+        };
         let merged =
             |a: Self, b: Self| Self { boxes: a.boxes.merged(b.boxes), centers: a.centers.merged(b.centers) };
         items.par_chunks(PARALLEL_ITEMS).map(of_part).reduce(|| Self::EMPTY, merged)
     }
 }
 
-struct Enclose<'a>(&'a [Item]);
-
-impl Task for Enclose<'_> {
-    type Output = Around;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Around {
-        let mut around = Around::EMPTY;
-        for item in self.0 {
-            around.boxes.add(l, &item.0);
-            around.centers.add(l, &item.center());
-        }
-        around
-    }
-}
-
-/// Sorts items into two parts, neither of them empty: cheapest by the surface area heuristic, or, where all centres
-/// coincide, halves. The output is the length of the first and what is around each.
-pub fn split(items: &mut [Item], around: &Around, cost: impl Fn(u32) -> f32) -> (usize, [Around; 2]) {
-    let grid = Grid::new(&around.centers, items.len());
-    let level = Level::detected();
-    let fill = |items: &[Item], bins: &mut Bins| level.run(Fill { items, grid: &grid, bins });
+/// Sorts items into two parts, neither of them empty: the cheapest split by the surface area heuristic, or halves if all
+/// centres coincide. Returns the length of the first part and what encloses each.
+pub fn split<S: Simd>(
+    simd: S,
+    items: &mut [Item],
+    enclosing: &Enclosing,
+    cost: impl Fn(u32) -> f32,
+) -> (usize, [Enclosing; 2]) {
+    let grid = Grid::new(&enclosing.centers, items.len());
     let mut bins = Bins::EMPTY;
     if items.len() <= 4 * PARALLEL_ITEMS {
-        fill(items, &mut bins);
+        bins.fill(simd, items, &grid);
     } else {
         let filled = |mut bins: Bins, items: &[Item]| {
-            fill(items, &mut bins);
+            bins.fill(simd, items, &grid);
             bins
         };
         let parts = items.par_chunks(PARALLEL_ITEMS).fold(|| Bins::EMPTY, filled);
         bins = parts.reduce(|| Bins::EMPTY, Bins::merged);
     }
-    match level.run(Sweep { bins: &bins, grid: &grid, cost }) {
-        None => halve(items),
+    match bins.cheapest_split(simd, &grid, cost) {
+        None => halve(simd, items),
         Some((axis, plane)) => {
-            let (first, centers) = level.run(Partition { items, grid: &grid, axis, plane });
+            let (first, centers) = partition(simd, items, &grid, axis, plane);
             let boxes = bins.sides(axis, plane);
-            (first, [0, 1].map(|side| Around { boxes: boxes[side], centers: centers[side] }))
+            (first, [0, 1].map(|side| Enclosing { boxes: boxes[side], centers: centers[side] }))
         }
     }
 }
 
-/// Parts items by number alone.
-pub fn halve(items: &[Item]) -> (usize, [Around; 2]) {
+/// Splits items in the middle of their order.
+pub fn halve<S: Simd>(simd: S, items: &[Item]) -> (usize, [Enclosing; 2]) {
     let (first, second) = items.split_at(items.len() / 2);
-    (first.len(), [Around::of(first), Around::of(second)])
+    (first.len(), [Enclosing::of(simd, first), Enclosing::of(simd, second)])
 }
 
-/// Which bins centres fall into.
+/// Sorts centres into bins along each axis.
 struct Grid {
     low: [f32; 4],
     per_length: [f32; 4],
@@ -185,117 +185,114 @@ impl Bins {
         self
     }
 
-    /// What is around the items on either side of a plane.
+    /// Returns the boxes around the items on either side of a plane.
     fn sides(&self, axis: usize, plane: usize) -> [Bounds; 2] {
         let (left, right) = self.bounds[axis].split_at(plane);
         [left, right].map(|bins| bins.iter().fold(Bounds::EMPTY, |all, bin| all.merged(*bin)))
     }
-}
 
-struct Fill<'a> {
-    items: &'a [Item],
-    grid: &'a Grid,
-    bins: &'a mut Bins,
-}
-
-impl Task for Fill<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        for item in self.items {
-            for axis in 0..3 {
-                let bin = self.grid.bin_of(item, axis);
-                self.bins.bounds[axis][bin].add(l, &item.0);
-                self.bins.counts[axis][bin] += 1;
-            }
-        }
-    }
-}
-
-/// The axis and the plane of the cheapest split, if the centres lie in more than one bin.
-struct Sweep<'a, C> {
-    bins: &'a Bins,
-    grid: &'a Grid,
-    cost: C,
-}
-
-impl<C: Fn(u32) -> f32> Task for Sweep<'_, C> {
-    type Output = Option<(usize, usize)>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Self::Output {
-        let (mut least, mut best) = (f32::INFINITY, None);
-        for (axis, (bounds, counts)) in self.bins.bounds.iter().zip(&self.bins.counts).enumerate() {
-            // Where a side is empty the product is infinite or NaN, and never the least.
-            let mut right = [0.0; BINS];
-            let (mut around, mut count) = (Bounds::EMPTY, 0);
-            for plane in (1..self.grid.bins).rev() {
-                around.add(l, &bounds[plane].0);
-                count += counts[plane];
-                right[plane] = around.half_area() * (self.cost)(count);
-            }
-            let (mut around, mut count) = (Bounds::EMPTY, 0);
-            for plane in 1..self.grid.bins {
-                around.add(l, &bounds[plane - 1].0);
-                count += counts[plane - 1];
-                let cost = around.half_area() * (self.cost)(count) + right[plane];
-                if cost < least {
-                    (least, best) = (cost, Some((axis, plane)));
+    /// Adds items.
+    fn fill<S: Simd>(&mut self, simd: S, items: &[Item], grid: &Grid) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                for item in items {
+                    for axis in 0..3 {
+                        let bin = grid.bin_of(item, axis);
+                        self.bounds[axis][bin].add(simd, &item.0);
+                        self.counts[axis][bin] += 1;
+                    }
                 }
-            }
-        }
-        best
+            },
+        );
+    }
+
+    /// Returns axis and plane of the cheapest split; `None` if all centres lie in one bin.
+    fn cheapest_split<S: Simd>(&self, simd: S, grid: &Grid, cost: impl Fn(u32) -> f32) -> Option<(usize, usize)> {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                let (mut least, mut best) = (f32::INFINITY, None);
+                for (axis, (bounds, counts)) in self.bounds.iter().zip(&self.counts).enumerate() {
+                    // Where a side is empty the product is infinite or NaN, and never the least.
+                    let mut right = [0.0; BINS];
+                    let (mut around, mut count) = (Bounds::EMPTY, 0);
+                    for plane in (1..grid.bins).rev() {
+                        around.add(simd, &bounds[plane].0);
+                        count += counts[plane];
+                        right[plane] = around.half_area() * cost(count);
+                    }
+                    let (mut around, mut count) = (Bounds::EMPTY, 0);
+                    for plane in 1..grid.bins {
+                        around.add(simd, &bounds[plane - 1].0);
+                        count += counts[plane - 1];
+                        let cost = around.half_area() * cost(count) + right[plane];
+                        if cost < least {
+                            (least, best) = (cost, Some((axis, plane)));
+                        }
+                    }
+                }
+                best
+            },
+        )
     }
 }
 
-/// Puts the items whose bin on `axis` is below `plane` first. The output is how many they are, and what is around the
+/// Puts the items whose bin on `axis` is below `plane` first. Returns how many they are, and the boxes around twice the
 /// centres of each part.
-struct Partition<'a> {
-    items: &'a mut [Item],
-    grid: &'a Grid,
+fn partition<S: Simd>(
+    simd: S,
+    items: &mut [Item],
+    grid: &Grid,
     axis: usize,
     plane: usize,
-}
-
-impl Task for Partition<'_> {
-    type Output = (usize, [Bounds; 2]);
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Self::Output {
-        let mut centers = [l.splat(f32::INFINITY); 2];
-        let mut first = 0;
-        for place in 0..self.items.len() {
-            // No jumps: which side comes next cannot be foreseen.
-            let item = self.items[place];
-            let is_first = self.grid.bin_of(&item, self.axis).wrapping_sub(self.plane) >> (usize::BITS - 1);
-            self.items[place] = self.items[first];
-            self.items[first] = item;
-            first += is_first;
-            let center = l.load(&item.center());
-            let lift = l.splat(f32::from_bits(f32::INFINITY.to_bits() | (is_first as u32) << 31));
-            centers[0] = l.min(centers[0], l.max(center, lift));
-            centers[1] = l.min(centers[1], l.max(center, l.negated_by(lift, l.splat(-1.0))));
-        }
-        let stored = centers.map(|center| {
-            let mut bounds = Bounds::EMPTY;
-            l.store(center, &mut bounds.0);
-            bounds
-        });
-        (first, stored)
-    }
+) -> (usize, [Bounds; 2]) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            let mut centers = [splat(simd, f32::INFINITY); 2];
+            let mut first = 0;
+            for place in 0..items.len() {
+                // No branch, because nothing predicts on which side the next item lies.
+                let item = items[place];
+                let is_first = grid.bin_of(&item, axis).wrapping_sub(plane) >> (usize::BITS - 1);
+                items[place] = items[first];
+                items[first] = item;
+                first += is_first;
+                let center = load(simd, &item.center());
+                let lift = splat(simd, f32::from_bits(f32::INFINITY.to_bits() | (is_first as u32) << 31));
+                centers[0] = centers[0].min(center.max(lift));
+                centers[1] = centers[1].min(center.max(-lift));
+            }
+            let stored = centers.map(|center| {
+                let mut bounds = Bounds::EMPTY;
+                center.store_array(&mut bounds.0);
+                bounds
+            });
+            (first, stored)
+        },
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Baseline, InstructionSet};
+
+    fn simd() -> Baseline {
+        match InstructionSet::baseline() {
+            InstructionSet::Baseline(simd) => simd,
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx2(_) => unreachable!(),
+        }
+    }
 
     #[test]
     fn an_item_keeps_its_box_and_its_number() {
         let planes = [-0.5, 0.25, -1.0, 0.5, 0.25, 1.0];
         for number in [0, 1, 0xffff, 0x1_0000, 0x89ab_cdef, u32::MAX] {
             let item = Item::new(number, &planes);
-            assert_eq!((item.number(), Around::of(&[item]).boxes.planes()), (number, planes));
+            assert_eq!((item.number(), Enclosing::of(simd(), &[item]).boxes.planes()), (number, planes));
         }
     }
 
@@ -304,13 +301,13 @@ mod tests {
         let place = |number: u32| (number * 37 % 64) as f32 / 64.0 - if number < 33 { 3.0 } else { 0.0 };
         let item = |number| Item::new(number, &[place(number), 0.0, 0.0, place(number), 0.5, 0.5]);
         let mut items: Vec<Item> = (0..99).rev().map(item).collect();
-        let around = Around::of(&items);
-        let (first, sides) = split(&mut items, &around, |count| count as f32);
+        let around = Enclosing::of(simd(), &items);
+        let (first, sides) = split(simd(), &mut items, &around, |count| count as f32);
         assert_eq!(first, 33);
         assert!(items[..first].iter().all(|item| item.number() < 33));
         let [left, right] = sides;
         assert!(left.boxes.planes()[3] < 0.0 && right.boxes.planes()[0] >= 0.0);
-        let again = Around::of(&items[first..]);
+        let again = Enclosing::of(simd(), &items[first..]);
         assert_eq!((again.boxes.0[..3].to_vec(), again.centers.0), (right.boxes.0[..3].to_vec(), right.centers.0));
     }
 
@@ -318,7 +315,7 @@ mod tests {
     fn coinciding_items_are_halved() {
         let mut items: Vec<Item> =
             (0..7).map(|number| Item::new(number, &[0.0, 0.0, 0.0, 0.5, 0.5, 0.5])).collect();
-        let around = Around::of(&items);
-        assert_eq!(split(&mut items, &around, |count| count as f32).0, 3);
+        let around = Enclosing::of(simd(), &items);
+        assert_eq!(split(simd(), &mut items, &around, |count| count as f32).0, 3);
     }
 }

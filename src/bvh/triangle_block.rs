@@ -1,6 +1,6 @@
-//! [`Block`]: eight triangles that are tested at once, in `f32`, before any of them is decided in `Real`.
+//! [`TriangleBlock`]: eight triangles that are culled at once in `f32`; the exact test in `Real` decides for those left over.
 //!
-//! # Why nothing is lost
+//! # The error bounds
 //!
 //! With a ray o + t d, a triangle a, a + e1, a + e2, C = a - o, N = e1 x e2 and R = C x d, the ray's point of the
 //! triangle's plane is a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
@@ -10,9 +10,9 @@
 //! D = d.N    U = e2.R    V = -e1.R    W = D - U - V    T = C.N
 //! ```
 //!
-//! and it lies in the triangle if U, V and W have one sign. In the [`Frame`](super::frame::Frame), let e = 2^-24 and
+//! and it lies in the triangle if U, V and W have one sign. In [`CullingSpace`], let e = 2^-24 and
 //! h the largest component of e1 and e2, differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each axis,
-//! errors (also those of the definition, which the frame bounds by e) add up to
+//! errors (also those of the exact test, which are bounded by e there) add up to
 //!
 //! - C: 1 e for a, 3 e for o, 2 e for the difference: 6 e;
 //! - R: 2 (6 e |d| + 2 e |C|) + 3 roundings of at most 4: below 32 e;
@@ -26,8 +26,14 @@
 //! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The definition's t is never before the entry into the
 //! triangle's box, which the exact t is not either.
 
-use super::frame::{BOX_MARGIN, Frame};
-use super::simd::{Eight, Lanes, WIDTH};
+use super::build::{self, Item};
+use super::node::Bvh;
+use super::space::{BOX_MARGIN, CullingSpace};
+use crate::objects::Aabb;
+use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat, splat3};
+use fearless_simd::prelude::*;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use vecmath::Vector3;
 
 /// Share of h by which U, V and W may lie on the wrong side.
@@ -39,43 +45,70 @@ const DISTANCE_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 0..96 | x of the eight first corners, then y, z: in the frame's scale, but from where the mesh has its origin |
+/// | 0..96 | x of the eight first corners, then y, z: scaled as in culling space, but not moved |
 /// | 96..192 | the second corners |
 /// | 192..288 | the third corners |
-/// | 288..320 | the triangles' numbers |
+/// | 288..320 | the triangles' indices in the mesh |
 /// | 320..328 | h times [`SIDE_MARGIN`], h^2 times [`DISTANCE_MARGIN`] for the largest h of the block |
-/// | 328..332 | how many triangles there are |
-/// | 332..352 | unused |
+/// | 328..333 | how many triangles there are, and whether scaling has kept their corners exactly |
+/// | 333..352 | unused |
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
-pub struct Block {
+pub struct TriangleBlock {
     corners: [[Eight; 3]; 3],
-    numbers: [u32; WIDTH],
+    indices: [u32; WIDTH],
     side_margin: f32,
     distance_margin: f32,
     count: u32,
+    is_exact: bool,
 }
 
-impl Block {
-    /// A block of triangles, given by number and corners.
-    pub fn new(frame: &Frame, triangles: impl Iterator<Item = (u32, [Vector3; 3])>) -> Self {
+/// Builds a tree over triangles 0 to `count`, which lie in `bounds` and whose corners' coordinates are numbers of `f32`.
+/// `None` if there are no triangles or a coordinate is not finite: then every triangle must be tested.
+pub fn build_triangle_bvh(
+    bounds: &Aabb,
+    count: usize,
+    corners: impl Fn(u32) -> [Vector3; 3] + Sync,
+) -> Option<Bvh<TriangleBlock>> {
+    let space = CullingSpace::of_positions(*bounds).filter(|_| count > 0)?;
+    let all_finite = AtomicBool::new(true);
+    let item = |index| {
+        let corners = corners(index);
+        if !corners.iter().all(|corner| corner.is_finite()) {
+            all_finite.store(false, Ordering::Relaxed);
+        }
+        Item::new(index, &space.planes(&Aabb::of_points(corners)))
+    };
+    let items: Vec<Item> = (0..count as u32).into_par_iter().map(item).collect();
+    if !all_finite.into_inner() {
+        return None;
+    }
+    let block = |indices: &[u32]| TriangleBlock::new(&space, indices, &corners);
+    Some(build::build::<WIDTH, _>(space.clone(), items, block))
+}
+
+impl TriangleBlock {
+    fn new(space: &CullingSpace, indices: &[u32], corners: &impl Fn(u32) -> [Vector3; 3]) -> Self {
         let mut block = Self {
             corners: [[[0.0; WIDTH]; 3]; 3],
-            numbers: [0; WIDTH],
+            indices: [0; WIDTH],
             side_margin: 0.0,
             distance_margin: 0.0,
             count: 0,
+            is_exact: true,
         };
         let mut longest = 0.0f32;
-        for (place, (number, corners)) in triangles.take(WIDTH).enumerate() {
-            let corners = corners.map(|corner| frame.scaled(corner));
-            for (lanes, corner) in block.corners.iter_mut().zip(corners) {
+        for (place, &index) in indices.iter().take(WIDTH).enumerate() {
+            let exact = corners(index);
+            let scaled = exact.map(|corner| space.scaled(corner));
+            block.is_exact &= scaled.map(|corner| space.unscaled(corner)) == exact;
+            for (lanes, corner) in block.corners.iter_mut().zip(scaled) {
                 for axis in 0..3 {
                     lanes[axis][place] = corner[axis];
-                    longest = longest.max((corner[axis] - corners[0][axis]).abs());
+                    longest = longest.max((corner[axis] - scaled[0][axis]).abs());
                 }
             }
-            block.numbers[place] = number;
+            block.indices[place] = index;
             block.count += 1;
         }
         // Products below the range of `f32` would become zero, and the margins with them.
@@ -85,124 +118,105 @@ impl Block {
         block
     }
 
-    pub fn numbers(&self) -> &[u32] {
-        &self.numbers[..self.count as usize]
+    /// Returns the triangles' indices in the mesh.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices[..self.count as usize]
     }
 
-    /// The corners of a triangle, as exact as the frame's scale has them.
+    /// Returns a triangle's index in the mesh.
     #[inline(always)]
-    pub fn corners_of(&self, frame: &Frame, place: u32) -> [Vector3; 3] {
+    pub fn index(&self, place: u32) -> u32 {
+        self.indices[place as usize % WIDTH]
+    }
+
+    /// Returns a triangle's corners, exactly; `None` if the block has them rounded.
+    #[inline(always)]
+    pub fn exact_corners(&self, space: &CullingSpace, place: u32) -> Option<[Vector3; 3]> {
         let place = place as usize % WIDTH;
         let [a, b, c] = &self.corners;
-        [a, b, c].map(|corner| frame.unscaled([corner[0][place], corner[1][place], corner[2][place]]))
+        let corner = |corner: &[Eight; 3]| space.unscaled([corner[0][place], corner[1][place], corner[2][place]]);
+        self.is_exact.then(|| [corner(a), corner(b), corner(c)])
     }
 
-    /// Bit i is set unless it is certain that the ray does not hit triangle i at a t from 0 to `limit`. `center` is the
-    /// frame's, in its scale.
+    /// Culls all triangles for one ray (origin and direction in all lanes): bit i is set unless it is certain that the ray
+    /// does not hit triangle i at a t from 0 to `limit`. `center` is [`CullingSpace::scaled_center`].
     #[inline(always)]
-    pub fn survivors<L: Lanes>(&self, l: L, center: [f32; 3], ray: [[L::F; 3]; 2], limit: f32) -> u32 {
+    pub fn candidates<S: Simd>(&self, simd: S, center: [f32; 3], ray: [[f32x8<S>; 3]; 2], limit: f32) -> u32 {
         let [a, b, c] = &self.corners;
-        let triangles = triangle(l, center, [load(l, a), load(l, b), load(l, c)]);
-        self.may_hit(l, triangles, ray, l.splat(limit)) & self.all()
+        let triangles = corner_and_edges(simd, center, [load3(simd, a), load3(simd, b), load3(simd, c)]);
+        self.may_hit(simd, triangles, ray, splat(simd, limit)) & self.all()
     }
 
-    /// One triangle in all lanes.
+    /// Puts corner and edges of one triangle into all lanes, for [`may_hit`](Self::may_hit).
     #[inline(always)]
-    pub fn in_all_lanes<L: Lanes>(&self, l: L, center: [f32; 3], place: u32) -> [[L::F; 3]; 3] {
+    pub fn splat_triangle<S: Simd>(&self, simd: S, center: [f32; 3], place: u32) -> [[f32x8<S>; 3]; 3] {
         let place = place as usize % WIDTH;
         let [a, b, c] = &self.corners;
-        triangle(l, center, [pick(l, a, place), pick(l, b, place), pick(l, c, place)])
+        let corner = |corner: &[Eight; 3]| splat3(simd, [corner[0][place], corner[1][place], corner[2][place]]);
+        corner_and_edges(simd, center, [corner(a), corner(b), corner(c)])
     }
 
-    /// In each lane a triangle (corner and edges), a ray (origin and direction) and its limit: bit i is lane i's.
+    /// Culls in each lane one triangle (corner and edges) for one ray (origin and direction) and its limit.
     #[inline(always)]
-    pub fn may_hit<L: Lanes>(
+    pub fn may_hit<S: Simd>(
         &self,
-        l: L,
-        [a, e1, e2]: [[L::F; 3]; 3],
-        [o, d]: [[L::F; 3]; 2],
-        limit: L::F,
+        simd: S,
+        [a, e1, e2]: [[f32x8<S>; 3]; 3],
+        [o, d]: [[f32x8<S>; 3]; 2],
+        limit: f32x8<S>,
     ) -> u32 {
-        let c = difference(l, a, o);
-        let r = cross(l, c, d);
-        let n = cross(l, e1, e2);
-        let (det, u, minus_v, t) = (dot(l, d, n), dot(l, e2, r), dot(l, e1, r), dot(l, c, n));
-        let w = l.add(l.sub(det, u), minus_v);
-        let v = l.negated_by(minus_v, l.splat(-1.0));
-        let margin = self.side_margin;
-        let one_side =
-            l.or(l.le(l.splat(-margin), l.min(l.min(u, v), w)), l.le(l.max(l.max(u, v), w), l.splat(margin)));
-        let t = l.negated_by(t, det);
-        let margin = self.distance_margin;
-        let farthest = l.mul_add(l.abs(det), limit, l.splat(margin));
-        let in_range = l.and(l.le(l.splat(-margin), t), l.le(t, farthest));
-        l.bits(l.and(one_side, in_range))
+        let c = difference(a, o);
+        let r = cross(c, d);
+        let n = cross(e1, e2);
+        let (det, u, minus_v, t) = (dot(d, n), dot(e2, r), dot(e1, r), dot(c, n));
+        let w = det - u + minus_v;
+        let v = -minus_v;
+        let margin = splat(simd, self.side_margin);
+        let one_side = (-margin).simd_le(u.min(v).min(w)) | u.max(v).max(w).simd_le(margin);
+        let t = crate::simd::flip_sign(simd, t, det);
+        let margin = splat(simd, self.distance_margin);
+        let farthest = det.abs().mul_add(limit, margin);
+        let in_range = (-margin).simd_le(t) & t.simd_le(farthest);
+        bits_of(one_side & in_range)
     }
 
-    /// Boxes around the triangles, three lower and three upper planes, margin included.
+    /// Returns the boxes around the triangles, three lower and three upper planes, margin included.
     #[inline(always)]
-    pub fn boxes<L: Lanes>(&self, l: L, center: [f32; 3]) -> [L::F; 6] {
-        let (lower, upper) = (l.splat(-BOX_MARGIN), l.splat(BOX_MARGIN));
-        let mut planes = [lower; 6];
+    pub fn boxes<S: Simd>(&self, simd: S, center: [f32; 3]) -> [f32x8<S>; 6] {
+        let mut planes = [splat(simd, 0.0); 6];
         for axis in 0..3 {
             let [a, b, c] = &self.corners;
-            let (a, b, c) = (l.load(&a[axis]), l.load(&b[axis]), l.load(&c[axis]));
-            let center = l.splat(center[axis]);
-            planes[axis] = l.add(l.sub(l.min(l.min(a, b), c), center), lower);
-            planes[axis + 3] = l.add(l.sub(l.max(l.max(a, b), c), center), upper);
+            let (a, b, c) = (load(simd, &a[axis]), load(simd, &b[axis]), load(simd, &c[axis]));
+            planes[axis] = a.min(b).min(c) - center[axis] - BOX_MARGIN;
+            planes[axis + 3] = a.max(b).max(c) - center[axis] + BOX_MARGIN;
         }
         planes
     }
 
-    /// A bit for each triangle.
+    /// Returns a bit for each triangle.
     #[inline(always)]
     pub fn all(&self) -> u32 {
         (1 << self.count) - 1
     }
-
-    #[inline(always)]
-    pub fn number(&self, place: u32) -> u32 {
-        self.numbers[place as usize % WIDTH]
-    }
 }
 
-/// Corner and edges of triangles, of which the corners are given in the frame's scale.
+/// Moves triangles to culling space, and returns one corner and two edges of each.
 #[inline(always)]
-fn triangle<L: Lanes>(l: L, center: [f32; 3], [a, b, c]: [[L::F; 3]; 3]) -> [[L::F; 3]; 3] {
-    let center = splat(l, center);
-    [difference(l, a, center), difference(l, b, a), difference(l, c, a)]
+fn corner_and_edges<S: Simd>(simd: S, center: [f32; 3], [a, b, c]: [[f32x8<S>; 3]; 3]) -> [[f32x8<S>; 3]; 3] {
+    [difference(a, splat3(simd, center)), difference(b, a), difference(c, a)]
 }
 
 #[inline(always)]
-fn difference<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
-    [l.sub(a[0], b[0]), l.sub(a[1], b[1]), l.sub(a[2], b[2])]
+fn difference<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn load<L: Lanes>(l: L, from: &[Eight; 3]) -> [L::F; 3] {
-    [l.load(&from[0]), l.load(&from[1]), l.load(&from[2])]
+fn dot<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> f32x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 #[inline(always)]
-fn splat<L: Lanes>(l: L, v: [f32; 3]) -> [L::F; 3] {
-    [l.splat(v[0]), l.splat(v[1]), l.splat(v[2])]
-}
-
-#[inline(always)]
-fn pick<L: Lanes>(l: L, from: &[Eight; 3], place: usize) -> [L::F; 3] {
-    splat(l, [from[0][place], from[1][place], from[2][place]])
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> L::F {
-    l.mul_add(a[0], b[0], l.mul_add(a[1], b[1], l.mul(a[2], b[2])))
-}
-
-#[inline(always)]
-fn cross<L: Lanes>(l: L, a: [L::F; 3], b: [L::F; 3]) -> [L::F; 3] {
-    [
-        l.mul_sub(a[1], b[2], l.mul(a[2], b[1])),
-        l.mul_sub(a[2], b[0], l.mul(a[0], b[2])),
-        l.mul_sub(a[0], b[1], l.mul(a[1], b[0])),
-    ]
+fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+    [a[1].mul_sub(b[2], a[2] * b[1]), a[2].mul_sub(b[0], a[0] * b[2]), a[0].mul_sub(b[1], a[1] * b[0])]
 }
