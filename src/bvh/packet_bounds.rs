@@ -1,40 +1,41 @@
-//! [`Bundle`]: many rays against one box after the other, eight rays at once, before anything is computed in `Real`.
+//! [`PacketBounds`]: tests the rays of a packet against one object's box in world space, eight rays at once, before
+//! anything is computed in `Real`.
 //!
 //! Coordinates are relative to the first ray's origin. With e = 2^-24 and m the largest coordinate of the box or of any
-//! origin, the position of a plane is off by 2 e m for its rounding and the origin's, 2 e m for the two products and
-//! 4 e m for the inverse and the rounding of the direction: [`MARGIN`] is four times that. Rounding keeps order, so that
-//! intervals which hold for all rays are no narrower for being computed from rounded ends.
+//! origin, the error of a plane's position is 2 e m for its rounding and the origin's, 2 e m for the two products and
+//! 4 e m for the inverse and the rounding of the direction. [`MARGIN`] is four times that. Rounding keeps order, so
+//! intervals that hold for all rays are not narrower for being computed from rounded ends.
 
-use super::beam::GROUPS;
-use super::range::Range;
-use super::simd::{Eight, Lanes, Task, WIDTH};
+use super::culling_packet::GROUPS;
 use crate::objects::Aabb;
-use crate::objects::run::{RUN, RayRun, around};
+use crate::simd::packet::{PACKET, RayPacket, span};
+use crate::simd::{Eight, Range, Simd, WIDTH, bits_of, flip_sign, load, load3, mask_of, splat};
+use fearless_simd::prelude::*;
 use vecmath::{Real, Vector3};
 
 /// Boxes grow by this share of the largest coordinate.
 const MARGIN: f32 = 1.0 / (1 << 19) as f32;
-/// Beyond these, products might leave the range of `f32`: such rays and boxes are not culled.
+/// Beyond these, products might leave the range of `f32`. Such rays and boxes are not culled.
 const LARGEST_COORDINATE: f32 = 1e12;
 const LARGEST_DIRECTION: f32 = 1e6;
 /// Components of directions are kept this far from zero, as a share of the largest one.
 const SMALLEST_SHARE: f32 = 1.0 / (1u32 << 30) as f32;
 
-/// Up to 64 rays as lanes.
-pub struct Bundle {
+/// The rays of a packet, rounded to `f32`, and the ranges of their numbers.
+pub struct PacketBounds {
     center: Vector3,
     inverse: [[Eight; GROUPS]; 3],
     origin_times_inverse: [[Eight; GROUPS]; 3],
-    /// Smallest and largest of these, axis by axis.
+    /// Smallest and largest of these over all rays, axis by axis.
     ranges: [[(f32, f32); 2]; 3],
-    /// The largest coordinate of an origin; NaN where rays cannot be culled.
+    /// The largest coordinate of an origin; NaN if the rays cannot be culled.
     reach: f32,
-    /// The largest coordinate of an origin in world space, at least.
+    /// At least the largest coordinate of an origin in world space.
     world_reach: Real,
 }
 
-impl Bundle {
-    /// A bundle without rays.
+impl PacketBounds {
+    /// Bounds of no rays.
     pub const EMPTY: Self = Self {
         center: Vector3::ZERO,
         inverse: [[[1.0; WIDTH]; GROUPS]; 3],
@@ -44,67 +45,121 @@ impl Bundle {
         world_reach: 0.0,
     };
 
-    /// Replaces all rays by those of a mask, and some between them.
+    /// Replaces all rays by the active ones.
+    pub fn fill<S: Simd>(&mut self, simd: S, rays: &RayPacket, active: u64) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                self.round_rays(rays, active);
+                self.invert(simd, active);
+            },
+        );
+    }
+
+    /// Rounds origins and directions. They are put where [`invert`](Self::invert) replaces them by what is tested.
     #[inline(always)]
-    fn set<L: Lanes>(&mut self, l: L, rays: &RayRun, mask: u64) {
-        let center = rays.origin.get(mask.trailing_zeros() as usize % RUN);
-        // At first, these hold directions and origins.
-        let Self { inverse, origin_times_inverse, .. } = self;
+    fn round_rays(&mut self, rays: &RayPacket, active: u64) {
+        self.center = rays.origin.get(active.trailing_zeros() as usize % PACKET);
         // In the order of memory, which the processor then fetches ahead.
-        for (axis, from_center) in origin_times_inverse.iter_mut().enumerate() {
-            let center = center.to_array()[axis];
-            for number in around(mask) {
-                from_center.as_flattened_mut()[number] = (rays.origin.0[axis][number] - center) as f32;
+        for (axis, from_center) in self.origin_times_inverse.iter_mut().enumerate() {
+            let center = self.center.to_array()[axis];
+            for lane in span(active) {
+                from_center.as_flattened_mut()[lane] = (rays.origin.0[axis][lane] - center) as f32;
             }
         }
-        for (axis, along) in inverse.iter_mut().enumerate() {
-            for number in around(mask) {
-                along.as_flattened_mut()[number] = rays.direction.0[axis][number] as f32;
+        for (axis, along) in self.inverse.iter_mut().enumerate() {
+            for lane in span(active) {
+                along.as_flattened_mut()[lane] = rays.direction.0[axis][lane] as f32;
             }
         }
-        let (mut reach, mut insane) = (l.splat(0.0), 0);
-        let mut ranges = [[Range::empty(l); 2]; 3];
+    }
+
+    #[inline(always)]
+    fn invert<S: Simd>(&mut self, simd: S, active: u64) {
+        let Self { inverse, origin_times_inverse, .. } = self;
+        let (mut reach, mut insane) = (splat(simd, 0.0), 0);
+        let mut ranges = [[Range::empty(simd); 2]; 3];
         for group in 0..GROUPS {
-            let here = (mask >> (WIDTH * group) & 0xff) as u32;
+            let here = (active >> (WIDTH * group) & 0xff) as u32;
             if here == 0 {
                 continue;
             }
-            let along = [l.load(&inverse[0][group]), l.load(&inverse[1][group]), l.load(&inverse[2][group])];
+            let along = load3(simd, &[inverse[0][group], inverse[1][group], inverse[2][group]]);
             let [x, y, z] = origin_times_inverse;
-            let from_center = [l.load(&x[group]), l.load(&y[group]), l.load(&z[group])];
-            let largest = l.max(l.max(l.abs(along[0]), l.abs(along[1])), l.abs(along[2]));
-            let farthest = l.max(l.max(l.abs(from_center[0]), l.abs(from_center[1])), l.abs(from_center[2]));
-            reach = l.max(reach, l.select(l.mask(here), farthest, l.splat(0.0)));
+            let from_center = load3(simd, &[x[group], y[group], z[group]]);
+            let largest = along[0].abs().max(along[1].abs()).max(along[2].abs());
+            let farthest = from_center[0].abs().max(from_center[1].abs()).max(from_center[2].abs());
+            reach = reach.max(mask_of(simd, here).select(farthest, splat(simd, 0.0)));
             // `max` passes over NaN, a sum does not.
-            let sum = l.add(l.add(along[0], along[1]), along[2]);
-            let sum = l.add(l.add(l.add(from_center[0], from_center[1]), from_center[2]), sum);
-            let in_range =
-                l.and(l.le(l.splat(1.0 / LARGEST_DIRECTION), largest), l.le(largest, l.splat(LARGEST_DIRECTION)));
-            insane |= here & !l.bits(l.and(in_range, l.le(l.abs(sum), l.splat(f32::MAX))));
-            let smallest = l.mul(largest, l.splat(SMALLEST_SHARE));
+            let sum = along[0] + along[1] + along[2];
+            let sum = from_center[0] + from_center[1] + from_center[2] + sum;
+            let in_range = splat(simd, 1.0 / LARGEST_DIRECTION).simd_le(largest)
+                & largest.simd_le(splat(simd, LARGEST_DIRECTION));
+            insane |= here & !bits_of(in_range & sum.abs().simd_le(splat(simd, f32::MAX)));
+            let smallest = largest * SMALLEST_SHARE;
             for axis in 0..3 {
-                let c = l.negated_by(l.max(l.abs(along[axis]), smallest), along[axis]);
-                let inverted = l.div(l.splat(1.0), c);
-                let product = l.mul(from_center[axis], inverted);
-                l.store(inverted, &mut inverse[axis][group]);
-                l.store(product, &mut origin_times_inverse[axis][group]);
-                ranges[axis][0].widen(l, l.mask(here), inverted);
-                ranges[axis][1].widen(l, l.mask(here), product);
+                let c = flip_sign(simd, along[axis].abs().max(smallest), along[axis]);
+                let inverted = splat(simd, 1.0) / c;
+                let product = from_center[axis] * inverted;
+                inverted.store_array(&mut inverse[axis][group]);
+                product.store_array(&mut origin_times_inverse[axis][group]);
+                ranges[axis][0].widen(simd, mask_of(simd, here), inverted);
+                ranges[axis][1].widen(simd, mask_of(simd, here), product);
             }
         }
         for (ends, ranges) in self.ranges.iter_mut().zip(ranges) {
-            *ends = [ranges[0].ends(l), ranges[1].ends(l)];
+            *ends = [ranges[0].ends(), ranges[1].ends()];
         }
-        let reach = l.greatest(reach);
-        self.center = center;
+        let reach = reach.reduce_max();
         self.reach = if insane == 0 { reach } else { f32::NAN };
         // More than rounding to `f32` may have taken away.
-        self.world_reach = center.max_abs() + 1.01 * Real::from(reach);
+        self.world_reach = self.center.max_abs() + 1.01 * Real::from(reach);
     }
-}
 
-impl Bundle {
-    /// Whether any of the rays may meet a box at a t from 0 on: by intervals of t that hold for all of them.
+    /// Returns the active rays that may meet a box at any t above 0. `sideways_error` is the object's; see
+    /// [`Object`](crate::objects::Object).
+    pub fn intersect<S: Simd>(&self, simd: S, bounds: &Aabb, sideways_error: Real, active: u64) -> u64 {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                let lower = (bounds.min - self.center).to_array().map(|c| c as f32);
+                let upper = (bounds.max - self.center).to_array().map(|c| c as f32);
+                let largest = lower.iter().chain(&upper).fold(self.reach, |largest, c| largest.max(c.abs()));
+                // Written so that NaN culls nothing.
+                if !(self.reach <= LARGEST_COORDINATE && largest <= LARGEST_COORDINATE) {
+                    return active;
+                }
+                // The sideways error is doubled for its own rounding to `f32`. Below the range of `f32` all of the margin
+                // would be rounding.
+                let margin =
+                    largest * MARGIN + (2.0 * sideways_error * self.world_reach) as f32 + f32::MIN_POSITIVE;
+                let (lower, upper) = (lower.map(|c| c - margin), upper.map(|c| c + margin));
+                if !self.may_meet(lower, upper) {
+                    return 0;
+                }
+                let mut met = 0;
+                for group in 0..GROUPS {
+                    let here = active >> (WIDTH * group) & 0xff;
+                    if here == 0 {
+                        continue;
+                    }
+                    let (mut near, mut far) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
+                    for axis in 0..3 {
+                        let inverse = load(simd, &self.inverse[axis][group]);
+                        let product = load(simd, &self.origin_times_inverse[axis][group]);
+                        let a = splat(simd, lower[axis]).mul_sub(inverse, product);
+                        let b = splat(simd, upper[axis]).mul_sub(inverse, product);
+                        near = near.max(a.min(b));
+                        far = far.min(a.max(b));
+                    }
+                    met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
+                }
+                met
+            },
+        )
+    }
+
+    /// Returns whether any ray may meet a box at a t from 0 on, by intervals of t that hold for all rays.
     #[inline(always)]
     fn may_meet(&self, lower: [f32; 3], upper: [f32; 3]) -> bool {
         let (mut near, mut far) = (0.0f32, f32::INFINITY);
@@ -119,71 +174,5 @@ impl Bundle {
             far = min(far, max(max(a, b), max(c, d)) - product.0);
         }
         near <= far
-    }
-}
-
-/// Fills a bundle with the rays of a mask.
-pub struct FillBundle<'a> {
-    pub bundle: &'a mut Bundle,
-    pub rays: &'a RayRun,
-    pub mask: u64,
-}
-
-impl Task for FillBundle<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        self.bundle.set(l, self.rays, self.mask);
-    }
-}
-
-/// Which rays of a mask may meet a box, at any t above 0.
-pub struct Meeting<'a> {
-    pub bundle: &'a Bundle,
-    pub bounds: &'a Aabb,
-    /// How far rounding may move rays sideways before they meet what is in the box, as a share of their origin's largest
-    /// coordinate (see [`Object::spread`](crate::objects::Object)).
-    pub spread: Real,
-    pub mask: u64,
-}
-
-impl Task for Meeting<'_> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> u64 {
-        let Self { bundle, bounds, spread, mask } = self;
-        let lower = (bounds.min - bundle.center).to_array().map(|c| c as f32);
-        let upper = (bounds.max - bundle.center).to_array().map(|c| c as f32);
-        let largest = lower.iter().chain(&upper).fold(bundle.reach, |largest, c| largest.max(c.abs()));
-        // Written so that NaN culls nothing.
-        if !(bundle.reach <= LARGEST_COORDINATE && largest <= LARGEST_COORDINATE) {
-            return mask;
-        }
-        // Doubled for its own rounding to `f32`.
-        // Below the range of `f32` all of it would be rounding.
-        let margin = largest * MARGIN + (2.0 * spread * bundle.world_reach) as f32 + f32::MIN_POSITIVE;
-        if !bundle.may_meet(lower.map(|c| c - margin), upper.map(|c| c + margin)) {
-            return 0;
-        }
-        let mut met = 0;
-        for group in 0..GROUPS {
-            let here = mask >> (WIDTH * group) & 0xff;
-            if here == 0 {
-                continue;
-            }
-            let (mut near, mut far) = (l.splat(0.0), l.splat(f32::INFINITY));
-            for axis in 0..3 {
-                let inverse = l.load(&bundle.inverse[axis][group]);
-                let product = l.load(&bundle.origin_times_inverse[axis][group]);
-                let a = l.mul_sub(l.splat(lower[axis] - margin), inverse, product);
-                let b = l.mul_sub(l.splat(upper[axis] + margin), inverse, product);
-                near = l.max(near, l.min(a, b));
-                far = l.min(far, l.max(a, b));
-            }
-            met |= (here & u64::from(l.bits(l.le(near, far)))) << (WIDTH * group);
-        }
-        met
     }
 }

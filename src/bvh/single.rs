@@ -1,158 +1,194 @@
-//! One ray through a [`Tree`]: its leaves, near ones first.
+//! Single traversal: one ray through a tree, near leaves first.
 
-use super::frame::CullRay;
-use super::simd::{Lanes, Level, Task, WIDTH};
-use super::tree::{Child, Node, Tree};
+use super::node::{Bvh, Child, Node};
+use super::space::CullingRay;
+use crate::simd::{Simd, WIDTH, bits_of, f32x8, load, splat, splat3};
+use fearless_simd::prelude::*;
 
-/// A limit below every t: the search is over.
+/// A limit below every t: the query is answered.
 pub const DONE: f32 = -1.0;
 
-/// Pending boxes kept at hand. Deeper trees are walked on by a call of the walk to itself.
+/// Pending boxes on the stack of a ray. Where it is full, the traversal calls itself.
 const STACK: usize = 64;
 
-/// What is to be done at a leaf. Implementations are `#[inline(always)]`, as everything in a
-/// [`Task`](super::simd::Task).
-pub trait Visit {
-    /// Looks at a leaf and returns the new limit, [`DONE`] to end the walk.
-    fn visit<L: Lanes>(&mut self, lanes: L, leaf: usize) -> f32;
-}
-
-/// Calls [`Visit::visit`] with the number of every leaf below `start` whose box the ray may meet at a t up to `limit`.
-/// The output is the last limit.
-pub struct Walk<'a, V> {
-    pub tree: &'a Tree,
-    pub start: Child,
-    pub ray: &'a CullRay,
-    pub limit: f32,
-    pub visit: &'a mut V,
-    pub stack: &'a mut Stack,
-}
-
-/// Pending boxes, and where the ray enters them.
+/// Pending boxes: where the ray enters them, and what is in them.
 pub type Stack = [(f32, Child); STACK];
 
 pub const EMPTY_STACK: Stack = [(0.0, Child::NONE); STACK];
 
-/// Walks a tree from its root.
-#[inline]
-pub fn walk_all(level: Level, tree: &Tree, ray: &CullRay, limit: f32, visit: &mut impl Visit) {
-    if !tree.nodes.is_empty() {
-        let (start, stack) = (Child::node(0), &mut { EMPTY_STACK });
-        level.run(Walk { tree, start, ray, limit, visit, stack });
+impl<Leaf> Bvh<Leaf> {
+    /// Calls `visit` with every leaf that the ray may meet at a t up to `limit`. `visit` gets the limit, and returns the
+    /// new one: lower after a hit, [`DONE`] to end the traversal. It must be `#[inline(always)]` if it uses lanes.
+    #[inline]
+    pub fn traverse<S: Simd>(
+        &self,
+        simd: S,
+        ray: &CullingRay,
+        limit: f32,
+        mut visit: impl FnMut(&Leaf, f32) -> f32,
+    ) {
+        if !self.nodes.is_empty() {
+            traverse_from(
+                simd,
+                &self.nodes,
+                Child::node(0),
+                ray,
+                limit,
+                &mut { EMPTY_STACK },
+                #[inline(always)]
+                |leaf, limit| visit(&self.leaves[leaf], limit),
+            );
+        }
     }
 }
 
-/// A leaf's number is enough for a closure.
-pub struct Call<F>(pub F);
-
-impl<F: FnMut(usize) -> f32> Visit for Call<F> {
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, _: L, leaf: usize) -> f32 {
-        (self.0)(leaf)
-    }
+/// Traverses what is below `start`, and returns the last limit. `visit` gets the leaf's index.
+pub fn traverse_from<S: Simd>(
+    simd: S,
+    nodes: &[Node],
+    start: Child,
+    ray: &CullingRay,
+    limit: f32,
+    stack: &mut Stack,
+    mut visit: impl FnMut(usize, f32) -> f32,
+) -> f32 {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            let lanes = RayLanes::new(simd, ray);
+            let (mut limit, mut height, mut current) = (limit, 0, start);
+            loop {
+                if current.is_leaf() {
+                    limit = visit(current.index(), limit);
+                    if limit < 0.0 {
+                        return limit;
+                    }
+                } else {
+                    let node = &nodes[current.index()];
+                    let (mut met, near) = lanes.intersect(simd, node, limit);
+                    if met != 0 {
+                        let first = met.trailing_zeros() as usize;
+                        met &= met - 1;
+                        current = node.children[first % WIDTH];
+                        if met == 0 {
+                            continue;
+                        }
+                        let mut distances = [0.0; WIDTH];
+                        near.store_array(&mut distances);
+                        if height + WIDTH <= STACK {
+                            current = push_all_but_nearest(node, first, met, &distances, stack, &mut height);
+                            continue;
+                        }
+                        let met = met | 1 << first;
+                        limit = traverse_children(
+                            simd,
+                            nodes,
+                            node,
+                            met,
+                            &distances,
+                            ray,
+                            limit,
+                            &mut |leaf, limit| {
+                                simd.vectorize(
+                                    #[inline(always)]
+                                    || visit(leaf, limit),
+                                )
+                            },
+                        );
+                        if limit < 0.0 {
+                            return limit;
+                        }
+                    }
+                }
+                loop {
+                    if height == 0 {
+                        return limit;
+                    }
+                    height -= 1;
+                    let (near, child) = stack[height];
+                    if near <= limit {
+                        current = child;
+                        break;
+                    }
+                }
+            }
+        },
+    )
 }
 
-/// A ray in registers, each component eight times.
-pub struct RayLanes<F> {
-    inverse: [F; 3],
-    origin_times_inverse: [F; 3],
+/// Traverses the children of a node that are met, one by one: for want of room on the stack. `visit` is `dyn`, because
+/// the traversals call each other.
+#[expect(clippy::too_many_arguments)]
+#[cold]
+fn traverse_children<S: Simd>(
+    simd: S,
+    nodes: &[Node],
+    node: &Node,
+    mut met: u32,
+    distances: &[f32; WIDTH],
+    ray: &CullingRay,
+    mut limit: f32,
+    visit: &mut dyn FnMut(usize, f32) -> f32,
+) -> f32 {
+    while met != 0 && limit >= 0.0 {
+        let place = met.trailing_zeros() as usize % WIDTH;
+        met &= met - 1;
+        if distances[place] <= limit {
+            let (start, stack) = (node.children[place], &mut { EMPTY_STACK });
+            limit = traverse_from(simd, nodes, start, ray, limit, stack, &mut *visit);
+        }
+    }
+    limit
+}
+
+/// A ray in registers, each number in all lanes.
+struct RayLanes<S: Simd> {
+    inverse: [f32x8<S>; 3],
+    origin_times_inverse: [f32x8<S>; 3],
     /// Index of the lower or upper plane that the ray meets first, axis by axis.
     first: [usize; 3],
-    /// The other one.
+    /// Index of the other one.
     second: [usize; 3],
 }
 
-impl<F: Copy> RayLanes<F> {
+impl<S: Simd> RayLanes<S> {
     #[inline(always)]
-    fn new<L: Lanes<F = F>>(l: L, ray: &CullRay) -> Self {
-        let (inverse, product) = (ray.inverse, ray.origin_times_inverse());
-        let first = |axis: usize| if inverse[axis] < 0.0 { axis + 3 } else { axis };
+    fn new(simd: S, ray: &CullingRay) -> Self {
+        let first = |axis: usize| if ray.inverse[axis] < 0.0 { axis + 3 } else { axis };
         Self {
-            inverse: [l.splat(inverse[0]), l.splat(inverse[1]), l.splat(inverse[2])],
-            origin_times_inverse: [l.splat(product[0]), l.splat(product[1]), l.splat(product[2])],
+            inverse: splat3(simd, ray.inverse),
+            origin_times_inverse: splat3(simd, ray.origin_times_inverse()),
             first: [first(0), first(1), first(2)],
             second: [3 - first(0), 5 - first(1), 7 - first(2)],
         }
     }
 
-    /// t of a plane of each of a node's boxes.
+    /// Returns t of a plane of each of a node's boxes.
     #[inline(always)]
-    fn planes<L: Lanes<F = F>>(&self, l: L, node: &Node, axis: usize, index: usize) -> F {
-        l.mul_sub(l.load(&node.planes[index % 6]), self.inverse[axis], self.origin_times_inverse[axis])
+    fn planes(&self, simd: S, node: &Node, axis: usize, index: usize) -> f32x8<S> {
+        load(simd, &node.planes[index % 6]).mul_sub(self.inverse[axis], self.origin_times_inverse[axis])
     }
 
-    /// Which of a node's boxes the ray meets at a t from 0 to `limit`, and where.
+    /// Intersects the ray with a node's eight boxes: which ones it meets at a t from 0 to `limit`, and where it enters.
     #[inline(always)]
-    fn boxes<L: Lanes<F = F>>(&self, l: L, node: &Node, limit: f32) -> (u32, F) {
+    fn intersect(&self, simd: S, node: &Node, limit: f32) -> (u32, f32x8<S>) {
         let [x, y, z] = self.first;
-        let near = l.max(
-            l.max(self.planes(l, node, 0, x), self.planes(l, node, 1, y)),
-            l.max(self.planes(l, node, 2, z), l.splat(0.0)),
-        );
+        let near = self
+            .planes(simd, node, 0, x)
+            .max(self.planes(simd, node, 1, y))
+            .max(self.planes(simd, node, 2, z).max(splat(simd, 0.0)));
         let [x, y, z] = self.second;
-        let far = l.min(
-            l.min(self.planes(l, node, 0, x), self.planes(l, node, 1, y)),
-            l.min(self.planes(l, node, 2, z), l.splat(limit)),
-        );
-        (l.bits(l.le(near, far)), near)
+        let far = self
+            .planes(simd, node, 0, x)
+            .min(self.planes(simd, node, 1, y))
+            .min(self.planes(simd, node, 2, z).min(splat(simd, limit)));
+        (bits_of(near.simd_le(far)), near)
     }
 }
 
-impl<V: Visit> Task for Walk<'_, V> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) -> f32 {
-        let lanes = RayLanes::new(l, self.ray);
-        let mut height = 0;
-        let mut current = self.start;
-        loop {
-            if current.is_leaf() {
-                self.limit = self.visit.visit(l, current.index());
-                if self.limit < 0.0 {
-                    return self.limit;
-                }
-            } else {
-                let node = &self.tree.nodes[current.index()];
-                let (mut met, near) = lanes.boxes(l, node, self.limit);
-                if met != 0 {
-                    let first = met.trailing_zeros() as usize;
-                    met &= met - 1;
-                    current = node.children[first % WIDTH];
-                    if met == 0 {
-                        continue;
-                    }
-                    let mut distances = [0.0; WIDTH];
-                    l.store(near, &mut distances);
-                    if height + WIDTH > STACK {
-                        self.walk_boxes(l, node, first, met, &distances);
-                        if self.limit < 0.0 {
-                            return self.limit;
-                        }
-                    } else {
-                        current = pushed(node, first, met, &distances, self.stack, &mut height);
-                        continue;
-                    }
-                }
-            }
-            loop {
-                if height == 0 {
-                    return self.limit;
-                }
-                height -= 1;
-                let (near, child) = self.stack[height];
-                if near <= self.limit {
-                    current = child;
-                    break;
-                }
-            }
-        }
-    }
-}
-
-/// Puts all but the nearest of the boxes that are met on the stack, sorted, and returns the nearest.
+/// Pushes all children that are met but the nearest, farthest first, and returns the nearest.
 #[inline(always)]
-fn pushed(
+fn push_all_but_nearest(
     node: &Node,
     first: usize,
     mut met: u32,
@@ -160,7 +196,7 @@ fn pushed(
     stack: &mut Stack,
     height: &mut usize,
 ) -> Child {
-    let mut nearest = (distances[first], node.children[first]);
+    let mut nearest = (distances[first % WIDTH], node.children[first % WIDTH]);
     let bottom = *height;
     while met != 0 {
         let place = met.trailing_zeros() as usize % WIDTH;
@@ -178,22 +214,4 @@ fn pushed(
         stack[at] = next;
     }
     nearest.1
-}
-
-impl<V: Visit> Walk<'_, V> {
-    /// Walks the boxes of a node one by one, for want of room on the stack.
-    #[inline(always)]
-    fn walk_boxes<L: Lanes>(&mut self, l: L, node: &Node, first: usize, met: u32, distances: &[f32; WIDTH]) {
-        let mut met = met | 1 << first;
-        while met != 0 && self.limit >= 0.0 {
-            let place = met.trailing_zeros() as usize % WIDTH;
-            met &= met - 1;
-            if distances[place] <= self.limit {
-                let start = node.children[place];
-                let Self { tree, ray, limit, .. } = *self;
-                let (visit, stack) = (&mut *self.visit, &mut { EMPTY_STACK });
-                self.limit = l.enter(Walk { tree, start, ray, limit, visit, stack });
-            }
-        }
-    }
 }

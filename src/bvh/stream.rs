@@ -1,63 +1,59 @@
-//! [`StreamWalk`]: rays that have nothing in common, through a [`Tree`] step by step, all of them at each step.
+//! Stream traversal: rays that have nothing in common, through a tree step by step, all of them at each step.
 //!
-//! A ray that walks alone ([`Walk`](super::walk::Walk)) asks at every box what to do next, and the processor, which
-//! guesses the answer, mostly guesses wrong. Here a step is done for all rays before the next one begins, and without
-//! a branch that depends on what a ray meets: each ray has its pending boxes on a stack of its own, and numbers are
-//! written where they may be needed and counted if they are. Which boxes a ray is asked about does not matter: the
-//! contract is that of [`Walk`](super::walk::Walk).
+//! A ray that is traversed alone branches at every box on what it meets, and the processor mispredicts most of these
+//! branches. Here one step is done for all rays before the next one begins, without a branch on what a ray meets: each
+//! ray has its pending boxes on a stack of its own, and lanes are written where they may be needed and counted if they
+//! are. Every leaf that a ray may hit is visited, as in the other traversals.
 
-use super::beam::{Beam, Leaves, walk_alone};
-use super::kept::Kept;
-use super::simd::{Lanes, Task, WIDTH, places_in};
-use super::tree::{Child, Node, Tree};
-use super::walk::DONE;
-use crate::objects::run::{RUN, numbers_in};
+use super::culling_packet::CullingPacket;
+use super::node::{Child, Node};
+use super::packet::{LeafVisitor, traverse_singly};
+use super::single::DONE;
+use crate::simd::packet::{PACKET, lanes_in};
+use crate::simd::{Simd, WIDTH, bits_of, compress, compress_u32, f32x8, load, mask32x8, places_in, splat};
+use fearless_simd::prelude::*;
 use std::hint::select_unpredictable;
 
-/// Entries of a ray's stack. Where there is no room for eight more, the ray walks a node alone.
+/// Entries of a ray's stack. Where there is no room for eight more, the ray traverses a node alone.
 const DEPTH: usize = 32;
 
-/// What the rays of a run still have to look at.
-struct Stream {
+/// What is pending for the rays of a packet.
+pub struct Stream {
     /// For each ray, where it enters its pending boxes, and what is in them. The first entry stands for none.
-    near: [[f32; DEPTH]; RUN],
-    child: [[u32; DEPTH]; RUN],
+    near: [[f32; DEPTH]; PACKET],
+    child: [[u32; DEPTH]; PACKET],
     /// Pending boxes of each ray.
-    height: [u32; RUN],
+    height: [u32; PACKET],
     nodes: List,
     leaves: List,
-    /// Items of leaves that are to be asked: for each its place in the leaf, and the leaf's in the list.
-    place: [u8; RUN * WIDTH],
-    leaf: [u8; RUN * WIDTH],
+    /// Items of leaves to be tested: for each its place in the leaf, and the place of the leaf in the list of leaves.
+    item: [u8; PACKET * WIDTH],
+    leaf: [u8; PACKET * WIDTH],
 }
 
-/// Rays, each with the node or the leaf that it looks at next.
+/// Rays, each with the node or the leaf that it visits next.
 struct List {
-    rays: [(u32, u32); RUN],
+    rays: [(u32, u32); PACKET],
     count: usize,
 }
 
-thread_local! {
-    static STREAM: Kept<Stream> = const { Kept::new(None) };
-}
-
 impl List {
-    const EMPTY: Self = Self { rays: [(0, 0); RUN], count: 0 };
+    const EMPTY: Self = Self { rays: [(0, 0); PACKET], count: 0 };
 
-    /// Adds a ray, if so.
+    /// Adds a ray if `is_added`, without a branch.
     #[inline(always)]
-    fn add(&mut self, number: usize, child: Child, if_so: bool) {
-        self.rays[self.count % RUN] = (number as u32, child.bits());
-        self.count += usize::from(if_so);
+    fn add_if(&mut self, is_added: bool, lane: usize, child: Child) {
+        self.rays[self.count % PACKET] = (lane as u32, child.bits());
+        self.count += usize::from(is_added);
     }
 
     #[inline(always)]
     fn get(&self, index: usize) -> (usize, Child) {
-        let (ray, child) = self.rays[index % RUN];
-        (ray as usize % RUN, Child::of_bits(child))
+        let (ray, child) = self.rays[index % PACKET];
+        (ray as usize % PACKET, Child::of_bits(child))
     }
 
-    /// Empties the list. What was in it can be had until as much has been added.
+    /// Empties the list and returns its length. [`get`](Self::get) still returns what was in it until as much is added.
     #[inline(always)]
     fn drain(&mut self) -> usize {
         std::mem::take(&mut self.count)
@@ -65,129 +61,149 @@ impl List {
 }
 
 impl Stream {
-    const EMPTY: Self = Self {
-        near: [[f32::NEG_INFINITY; DEPTH]; RUN],
-        child: [[u32::MAX; DEPTH]; RUN],
-        height: [0; RUN],
+    pub const EMPTY: Self = Self {
+        near: [[f32::NEG_INFINITY; DEPTH]; PACKET],
+        child: [[u32::MAX; DEPTH]; PACKET],
+        height: [0; PACKET],
         nodes: List::EMPTY,
         leaves: List::EMPTY,
-        place: [0; RUN * WIDTH],
-        leaf: [0; RUN * WIDTH],
+        item: [0; PACKET * WIDTH],
+        leaf: [0; PACKET * WIDTH],
     };
 
-    /// Says what a ray looks at next: `child`, entered at `near`, or what is pending if that is beyond the limit.
+    /// Puts a ray on the list of what it visits next: `child`, entered at `near`, or what is pending if that is beyond
+    /// the limit.
     #[inline(always)]
-    fn next(&mut self, number: usize, mut near: f32, mut child: u32, limit: f32) {
-        let mut height = self.height[number] as usize % DEPTH;
+    fn schedule(&mut self, lane: usize, mut near: f32, mut child: u32, limit: f32) {
+        let mut height = self.height[lane] as usize % DEPTH;
         while near > limit {
-            (near, child) = (self.near[number][height], self.child[number][height]);
+            (near, child) = (self.near[lane][height], self.child[lane][height]);
             height = height.saturating_sub(1);
         }
-        self.height[number] = height as u32;
+        self.height[lane] = height as u32;
         let child = Child::of_bits(child);
         let (is_some, is_leaf) = (child != Child::NONE, child.is_leaf());
-        self.nodes.add(number, child, is_some & !is_leaf);
-        self.leaves.add(number, child, is_some & is_leaf);
+        self.nodes.add_if(is_some & !is_leaf, lane, child);
+        self.leaves.add_if(is_some & is_leaf, lane, child);
     }
 
-    /// Looks at a node for a ray; not if there is no room for what might become pending, which is the output.
+    /// Intersects a ray with a node's eight boxes, pushes those that are met, and schedules the nearest. Returns false,
+    /// having done nothing, if the ray's stack might overflow.
     #[inline(always)]
-    fn look<L: Lanes>(&mut self, l: L, node: &Node, number: usize, beam: &Beam) -> bool {
-        let (is_met, near) = beam.boxes(l, node, number);
-        let met = l.bits(is_met);
-        let nearest = l.least(l.select(is_met, near, l.splat(f32::INFINITY)));
-        let first = (met & l.bits(l.le(near, l.splat(nearest)))).trailing_zeros() as usize % WIDTH;
-        let others = met & !(1 << first);
+    fn visit_node<S: Simd>(&mut self, simd: S, node: &Node, lane: usize, packet: &CullingPacket) -> bool {
+        let (is_met, near) = intersect_boxes(simd, packet, node, lane);
+        let met = bits_of(is_met);
+        let nearest = is_met.select(near, splat(simd, f32::INFINITY)).reduce_min();
+        let first = (met & bits_of(near.simd_le(splat(simd, nearest)))).trailing_zeros() as usize % WIDTH;
 
-        let height = self.height[number] as usize % DEPTH;
-        let pending = (self.near[number][height], self.child[number][height]);
-        let room = (
-            self.near[number][height + 1..].first_chunk_mut(),
-            self.child[number][height + 1..].first_chunk_mut(),
-        );
+        let height = self.height[lane] as usize % DEPTH;
+        let pending = (self.near[lane][height], self.child[lane][height]);
+        let room =
+            (self.near[lane][height + 1..].first_chunk_mut(), self.child[lane][height + 1..].first_chunk_mut());
         let (Some(near_room), Some(child_room)) = room else { return false };
-        l.compress(others, near, near_room);
-        l.compress_bits(others, node.children.map(Child::bits), child_room);
+        compress(is_met, near, near_room);
+        compress_u32(simd, is_met, &node.children.map(Child::bits), child_room);
+        // The last one takes the place of the nearest, which is not pending.
+        let place = (met & ((1 << first) - 1)).count_ones() as usize % WIDTH;
+        let last = (met.count_ones() as usize).saturating_sub(1) % WIDTH;
+        (near_room[place], child_room[place]) = (near_room[last], child_room[last]);
 
-        let (left, more) = (height.saturating_sub(1), height + others.count_ones() as usize);
+        let (left, more) = (height.saturating_sub(1), height + last);
         let is_any = met != 0;
-        self.height[number] = select_unpredictable(is_any, more, left) as u32;
+        self.height[lane] = select_unpredictable(is_any, more, left) as u32;
         let near = f32::from_bits(select_unpredictable(is_any, nearest.to_bits(), pending.0.to_bits()));
         let child = select_unpredictable(is_any, node.children[first].bits(), pending.1);
-        self.next(number, near, child, beam.limit(number));
+        self.schedule(lane, near, child, packet.limit(lane));
         true
     }
 
-    /// Forgets what is pending beyond a limit, unless that is much: [`next`](Self::next) would forget it one by one.
+    /// Drops pending boxes beyond a limit, unless there are many: [`schedule`](Self::schedule) drops these one by one.
     #[inline(always)]
-    fn cull<L: Lanes>(&mut self, l: L, number: usize, limit: f32) {
-        let height = self.height[number] as usize;
-        let pending = (self.near[number][1..].first_chunk_mut(), self.child[number][1..].first_chunk_mut());
+    fn drop_beyond<S: Simd>(&mut self, simd: S, lane: usize, limit: f32) {
+        let height = self.height[lane] as usize;
+        let pending = (self.near[lane][1..].first_chunk_mut(), self.child[lane][1..].first_chunk_mut());
         if let (Some(nears), Some(children), 0..=WIDTH) = (pending.0, pending.1, height) {
-            let near = l.load(nears);
-            let within = l.bits(l.le(near, l.splat(limit))) & ((1 << height) - 1);
-            l.compress(within, near, nears);
-            l.compress_bits(within, *children, children);
-            self.height[number] = within.count_ones();
+            let near = load(simd, nears);
+            let is_within = near.simd_le(splat(simd, limit));
+            compress(is_within, near, nears);
+            compress_u32(simd, is_within, &{ *children }, children);
+            // What lies above the height is not pending, and stays behind what is.
+            self.height[lane] = (bits_of(is_within) & ((1 << height) - 1)).count_ones();
         }
     }
 
-    /// Asks the leaves of the list about their rays; the output is how many there were.
+    /// Tests the leaves of the list for their rays, and returns how many there were.
     #[inline(always)]
-    fn ask<L: Lanes>(&mut self, l: L, beam: &mut Beam, leaves: &mut impl Leaves) -> usize {
+    fn visit_leaves<S: Simd>(
+        &mut self,
+        simd: S,
+        packet: &mut CullingPacket,
+        visitor: &mut impl LeafVisitor<S>,
+    ) -> usize {
         let (count, mut items) = (self.leaves.drain(), 0);
         for index in 0..count {
-            let (number, child) = self.leaves.get(index);
-            let survivors = leaves.survivors(l, child.index(), number, beam);
-            self.place[items..items + WIDTH].copy_from_slice(&places_in(survivors));
+            let (lane, child) = self.leaves.get(index);
+            let candidates = visitor.candidates(simd, child.index(), lane, packet);
+            self.item[items..items + WIDTH].copy_from_slice(&places_in(candidates));
             self.leaf[items..items + WIDTH].copy_from_slice(&[index as u8; WIDTH]);
-            items += survivors.count_ones() as usize;
+            items += candidates.count_ones() as usize;
         }
         for item in 0..items {
-            let (number, child) = self.leaves.get(self.leaf[item].into());
-            if beam.limit(number) > DONE {
-                leaves.ask(l, child.index(), self.place[item].into(), number, beam);
-                self.cull(l, number, beam.limit(number));
+            let (lane, child) = self.leaves.get(self.leaf[item].into());
+            if packet.limit(lane) > DONE {
+                visitor.test(simd, child.index(), self.item[item].into(), lane, packet);
+                self.drop_beyond(simd, lane, packet.limit(lane));
             }
         }
         count
     }
 }
 
-/// Calls [`Leaves::survivors`] and [`Leaves::ask`] for every leaf below `start` whose box a ray of `mask` may meet at a t
-/// up to its limit.
-pub struct StreamWalk<'a, V> {
-    pub tree: &'a Tree,
-    pub start: Child,
-    pub mask: u64,
-    pub beam: &'a mut Beam,
-    pub leaves: &'a mut V,
+/// Intersects one ray with a node's eight boxes: which ones it meets at a t up to its limit, and where it enters.
+#[inline(always)]
+fn intersect_boxes<S: Simd>(simd: S, packet: &CullingPacket, node: &Node, lane: usize) -> (mask32x8<S>, f32x8<S>) {
+    let (mut near, mut far) = (splat(simd, 0.0), splat(simd, packet.limit(lane)));
+    for axis in 0..3 {
+        let inverse = splat(simd, packet.inverse[axis].as_flattened()[lane]);
+        let product = splat(simd, packet.origin_times_inverse[axis].as_flattened()[lane]);
+        let lower = load(simd, &node.planes[axis]).mul_sub(inverse, product);
+        let upper = load(simd, &node.planes[axis + 3]).mul_sub(inverse, product);
+        near = near.max(lower.min(upper));
+        far = far.min(lower.max(upper));
+    }
+    (near.simd_le(far), near)
 }
 
-impl<V: Leaves> Task for StreamWalk<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let Self { tree, start, mask, beam, leaves } = self;
-        let mut stream = STREAM.take().unwrap_or_else(|| Box::new(Stream::EMPTY));
-        for number in numbers_in(mask) {
-            stream.height[number] = 0;
-            stream.next(number, 0.0, start.bits(), beam.limit(number));
-        }
-        while stream.nodes.count + stream.leaves.count != 0 {
-            for index in 0..stream.nodes.drain() {
-                let (number, node) = stream.nodes.get(index);
-                if !stream.look(l, &tree.nodes[node.index()], number, beam) {
-                    walk_alone(l, tree, node, 1 << number, beam, leaves);
-                    stream.next(number, f32::INFINITY, 0, beam.limit(number));
+/// Has `visitor` test every leaf below `start` whose box an active ray may meet at a t up to its limit.
+pub fn traverse<S: Simd>(
+    simd: S,
+    nodes: &[Node],
+    start: Child,
+    active: u64,
+    packet: &mut CullingPacket,
+    stream: &mut Stream,
+    visitor: &mut impl LeafVisitor<S>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            for lane in lanes_in(active) {
+                stream.height[lane] = 0;
+                stream.schedule(lane, 0.0, start.bits(), packet.limit(lane));
+            }
+            while stream.nodes.count + stream.leaves.count != 0 {
+                for index in 0..stream.nodes.drain() {
+                    let (lane, child) = stream.nodes.get(index);
+                    if !stream.visit_node(simd, &nodes[child.index()], lane, packet) {
+                        traverse_singly(simd, nodes, child, 1 << lane, packet, visitor);
+                        stream.schedule(lane, f32::INFINITY, 0, packet.limit(lane));
+                    }
+                }
+                for index in 0..stream.visit_leaves(simd, packet, visitor) {
+                    let (lane, _) = stream.leaves.get(index);
+                    stream.schedule(lane, f32::INFINITY, 0, packet.limit(lane));
                 }
             }
-            for index in 0..stream.ask(l, beam, leaves) {
-                let (number, _) = stream.leaves.get(index);
-                stream.next(number, f32::INFINITY, 0, beam.limit(number));
-            }
-        }
-        STREAM.set(Some(stream));
-    }
+        },
+    );
 }
