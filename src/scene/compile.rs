@@ -3,13 +3,12 @@
 //! Every mistake that needs arithmetic or another file to be seen is reported here, at its place in the scene file.
 
 use super::hints::Hints;
-use super::{Background, Scene, mesh_file};
-use crate::accel::Accelerator;
+use super::{Background, Geometry, Scene, mesh_file};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText};
 use crate::light::Light;
-use crate::objects::{Mesh, Object, Placement, Shape};
+use crate::objects::{Mesh, Object, Shape, Transform};
 use crate::plan::Plan;
 use crate::scene_file::{At, Description, Leaf, LeafShape, Node, TransformStep};
 use crate::timing::{Times, timed};
@@ -51,24 +50,18 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         hints: Hints::default(),
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, mut meshes, hints, .. } = flattened;
+    let Flattened { objects, meshes, hints, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
-    let (accelerator, build) = timed(|| {
-        for mesh in &mut meshes {
-            mesh.build_tree();
-            mesh.set_level(plan.simd);
-        }
-        Accelerator::with_level(&objects, plan.simd)
-    });
+    let (geometry, build) = timed(|| Geometry::new(objects, meshes, plan.simd));
+    let materials = description.materials.clone();
     let scene = Scene {
         camera,
         lights,
         ambient_light,
         background: Background { color: description.background.color, cube_map },
-        materials: description.materials.clone(),
-        accelerator,
-        objects,
-        meshes,
+        throughput_never_grows: materials.iter().all(|material| material.specular.max_abs() <= 1.0),
+        materials,
+        geometry,
     };
     Ok(Compiled { scene, warnings, build })
 }
@@ -162,15 +155,15 @@ impl Flattened<'_> {
             self.hints.left_out(leaf.span);
             return Ok(());
         }
-        let placement = match world_from_object {
+        let transform = match world_from_object {
             None => None,
-            Some(matrix) => Some(Box::new(Placement::new(matrix).map_err(|_| {
+            Some(matrix) => Some(Box::new(Transform::new(matrix).map_err(|_| {
                 self.source
                     .error(leaf.span, no_inverse("the product of the transforms around this object", matrix))
             })?)),
         };
         self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
-        self.objects.push(Object::new(shape, placement, leaf.material, bounds.as_ref()));
+        self.objects.push(Object::new(shape, transform, leaf.material, bounds.as_ref()));
         Ok(())
     }
 

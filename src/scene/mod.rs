@@ -4,20 +4,23 @@
 //! loads meshes and multiplies transformations out.
 
 mod compile;
+mod geometry;
 mod hints;
 mod mesh_file;
+mod object_tree;
 mod plain_obj;
+mod queries;
 
 pub use compile::{Compiled, compile};
+pub use geometry::{Geometry, build_mesh_tree};
 pub use mesh_file::parse_mesh;
+pub use object_tree::LOOP_OBJECTS;
 
-use crate::accel::Accelerator;
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;
 use crate::error::Error;
 use crate::light::Light;
 use crate::material::Material;
-use crate::objects::{Mesh, Object};
 use vecmath::Vector3;
 
 /// What surrounds everything: seen by every ray that meets no object.
@@ -47,9 +50,14 @@ pub struct Scene {
     pub ambient_light: Vector3,
     pub background: Background,
     pub materials: Vec<Material>,
-    /// In the order of the file: where two objects are hit at the same distance, the first one counts.
-    pub objects: Vec<Object>,
-    /// Each mesh file once, however many objects use it.
-    pub meshes: Vec<Mesh>,
-    pub accelerator: Accelerator,
+    pub geometry: Geometry,
+    /// Whether no mirror makes what it shows brighter in any component.
+    pub throughput_never_grows: bool,
+}
+
+impl Background {
+    /// Returns what a ray that leaves the scene in this direction sees.
+    pub fn color(&self, direction: Vector3) -> Vector3 {
+        self.cube_map.as_ref().map_or(self.color, |cube_map| cube_map.color(direction))
+    }
 }

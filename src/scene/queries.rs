@@ -1,89 +1,182 @@
-//! [`Questions`]: what rays want to know of objects, the nearest hit or any at all.
+//! Queries of one ray against the [`Geometry`]: the closest hit, or whether there is any.
+//!
+//! The answers are those of a loop over all objects and all triangles, to the last bit. Trees only skip what cannot be
+//! hit. Packets of rays are answered in [`wide`](crate::wide), by the same tests.
 
-use super::objects::Hit;
-use super::simd::Level;
-use crate::objects::HitRun;
-use crate::objects::run::{Numbers, WorldRun, numbers_in};
-use crate::objects::{Mesh, Object, PreparedRay, T_MAX};
-use vecmath::Real;
+use super::Geometry;
+use crate::bvh::{Bvh, DONE, Entry, TriangleBlock};
+use crate::objects::{Hit, PreparedRay, Ray, SurfaceHit, SurfacePoint, T_MAX, intersect_triangle};
+use crate::simd::{Simd, with_simd};
+use vecmath::{Real, Vector3};
 
-/// What the rays of a run want to know.
-pub trait Questions {
-    /// The rays of a mask that still want to know.
-    fn open(&self, mask: u64) -> u64;
-    /// How far each ray still looks; minus infinity if no further.
-    fn t_max(&self) -> &Numbers;
-    /// Asks an object about the rays of a mask.
-    fn ask(&mut self, index: u32, level: Level, rays: &mut WorldRun, mask: u64);
-}
-
-/// The nearest hits.
-pub struct Closest<'a> {
-    pub objects: &'a [Object],
-    pub meshes: &'a [Mesh],
-    pub hits: &'a mut HitRun,
-}
-
-impl Questions for Closest<'_> {
-    fn open(&self, mask: u64) -> u64 {
-        mask
+impl Geometry {
+    /// Finds the nearest hit with 0 < t < [`T_MAX`]; of several at the same t, the first object's.
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        with_simd!(self.instruction_set, simd => self.closest_hit_with(simd, ray))
     }
 
-    fn t_max(&self) -> &Numbers {
-        &self.hits.at.t
+    /// Returns whether anything is hit at a t up to and including `t_max`.
+    pub fn any_hit(&self, ray: &Ray, t_max: Real) -> bool {
+        with_simd!(self.instruction_set, simd => self.any_hit_with(simd, ray, t_max))
     }
 
-    fn ask(&mut self, index: u32, level: Level, rays: &mut WorldRun, mask: u64) {
-        self.objects[index as usize].closest_hits(index, self.meshes, level, rays, mask, self.hits);
-    }
-}
-
-/// Whether anything is in the way.
-pub struct Any<'a> {
-    pub objects: &'a [Object],
-    pub meshes: &'a [Mesh],
-    /// Minus infinity for rays that something is in the way of.
-    pub t_max: Numbers,
-    /// Those rays.
-    pub found: u64,
-}
-
-impl Questions for Any<'_> {
-    fn open(&self, mask: u64) -> u64 {
-        mask & !self.found
+    /// Returns the normal at a hit; see [`Object::normal`](crate::objects::Object::normal).
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vector3 {
+        self.objects[hit.object as usize].normal(&self.meshes, ray, &hit.surface)
     }
 
-    fn t_max(&self) -> &Numbers {
-        &self.t_max
+    /// Finds the point of the surface that was hit, with its error bound.
+    pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.objects[hit.object as usize].surface_point(&self.meshes, ray, &hit.surface)
     }
 
-    fn ask(&mut self, index: u32, level: Level, rays: &mut WorldRun, mask: u64) {
-        let found = self.objects[index as usize].any_hits(self.meshes, level, rays, mask, &self.t_max);
-        for number in numbers_in(found) {
-            self.t_max[number] = Real::NEG_INFINITY;
+    fn closest_hit_with<S: Simd>(&self, simd: S, ray: &Ray) -> Option<Hit> {
+        let ray = PreparedRay::new(*ray);
+        let mut closest: Option<Hit> = None;
+        self.for_each_object(simd, &ray, T_MAX, |index| {
+            let t_max = closest.map_or(T_MAX, |closest| closest.surface.t);
+            // Of two hits at the same t the first object's counts, whatever the order of the tests.
+            let comes_first = closest.is_some_and(|closest| index < closest.object);
+            let limit = if comes_first { t_max.next_up() } else { t_max };
+            match self.closest_hit_of_object(simd, index, &ray, limit) {
+                None => t_max,
+                Some(surface) => {
+                    closest = Some(Hit { object: index, surface });
+                    surface.t
+                }
+            }
+        });
+        closest
+    }
+
+    fn any_hit_with<S: Simd>(&self, simd: S, ray: &Ray, t_max: Real) -> bool {
+        let ray = PreparedRay::new(*ray);
+        let t_max = t_max.min(T_MAX.next_down());
+        let mut found = false;
+        self.for_each_object(simd, &ray, t_max, |index| {
+            found = found || self.any_hit_of_object(simd, index, &ray, t_max);
+            if found { Real::NEG_INFINITY } else { t_max }
+        });
+        found
+    }
+
+    /// Intersects a ray with one object: the nearest hit with t < `t_max`.
+    pub fn closest_hit_of_object<S: Simd>(
+        &self,
+        simd: S,
+        index: u32,
+        ray: &PreparedRay,
+        t_max: Real,
+    ) -> Option<SurfaceHit> {
+        let object = &self.objects[index as usize];
+        object.closest_hit(ray, t_max, |mesh, ray| self.closest_hit_of_mesh(simd, mesh, ray, t_max))
+    }
+
+    /// Returns whether a ray hits one object at a t up to and including `t_max`.
+    pub fn any_hit_of_object<S: Simd>(&self, simd: S, index: u32, ray: &PreparedRay, t_max: Real) -> bool {
+        let object = &self.objects[index as usize];
+        object.any_hit(ray, t_max, |mesh, ray| self.any_hit_of_mesh(simd, mesh, ray, t_max))
+    }
+
+    /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
+    fn closest_hit_of_mesh<S: Simd>(
+        &self,
+        simd: S,
+        mesh: u32,
+        ray: &PreparedRay,
+        mut t_max: Real,
+    ) -> Option<SurfaceHit> {
+        let (mesh, tree) = self.mesh_and_tree(mesh);
+        let mut closest: Option<SurfaceHit> = None;
+        for_each_triangle(simd, tree, mesh.triangle_count(), ray, t_max, |triangle| {
+            if let Some(hit) = intersect_triangle(ray, mesh.corners(triangle)) {
+                let comes_first = closest.is_some_and(|closest| triangle < closest.triangle);
+                if hit.t < t_max || (hit.t == t_max && comes_first) {
+                    t_max = hit.t;
+                    closest = Some(SurfaceHit { triangle, ..hit });
+                }
+            }
+            t_max
+        });
+        closest
+    }
+
+    /// Some hit at a t up to and including `t_max`.
+    fn any_hit_of_mesh<S: Simd>(&self, simd: S, mesh: u32, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
+        let (mesh, tree) = self.mesh_and_tree(mesh);
+        let mut found = None;
+        for_each_triangle(simd, tree, mesh.triangle_count(), ray, t_max, |triangle| {
+            found = found.or_else(|| intersect_triangle(ray, mesh.corners(triangle)).filter(|hit| hit.t <= t_max));
+            if found.is_some() { Real::NEG_INFINITY } else { t_max }
+        });
+        found
+    }
+
+    /// Calls `test` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others. `test`
+    /// returns the new `t_max`; minus infinity ends the query.
+    fn for_each_object<S: Simd>(
+        &self,
+        simd: S,
+        ray: &PreparedRay,
+        mut t_max: Real,
+        mut test: impl FnMut(u32) -> Real,
+    ) {
+        for &index in &self.object_tree.always {
+            t_max = test(index);
+            if t_max == Real::NEG_INFINITY {
+                return;
+            }
         }
-        self.found |= found;
+        let Some(bvh) = &self.object_tree.bvh else { return };
+        match bvh.space.enter(ray, t_max) {
+            Entry::Missed => {}
+            Entry::Unbounded => {
+                let _ = bvh.leaves.iter().any(|&index| test(index) == Real::NEG_INFINITY);
+            }
+            Entry::Entered(culling_ray) => {
+                bvh.traverse(
+                    simd,
+                    &culling_ray,
+                    culling_ray.limit(t_max),
+                    #[inline(always)]
+                    |index, _| culling_ray.limit(test(*index)),
+                );
+            }
+        }
     }
 }
 
-/// The nearest hit of one ray so far.
-pub struct Search<'a> {
-    pub objects: &'a [Object],
-    pub meshes: &'a [Mesh],
-    pub closest: &'a mut Option<Hit>,
-}
-
-impl Search<'_> {
-    /// Asks one object and returns the new limit.
-    pub fn ask(&mut self, ray: &PreparedRay, index: u32) -> Real {
-        let t_max = self.closest.as_ref().map_or(T_MAX, |closest| closest.at.t);
-        // Of equals the first object wins, whatever the order of asking.
-        let comes_first = self.closest.as_ref().is_some_and(|closest| index < closest.object);
-        let limit = if comes_first { t_max.next_up() } else { t_max };
-        if let Some(at) = self.objects[index as usize].closest_hit(self.meshes, ray, limit) {
-            *self.closest = Some(Hit { object: index, at });
-            return at.t;
+/// Calls `test` with every triangle that the ray may hit at a t up to and including `t_max`, and perhaps others, some of
+/// them more than once. `test` returns the new `t_max`; minus infinity ends the query.
+fn for_each_triangle<S: Simd>(
+    simd: S,
+    tree: Option<&Bvh<TriangleBlock>>,
+    count: usize,
+    ray: &PreparedRay,
+    t_max: Real,
+    mut test: impl FnMut(u32) -> Real,
+) {
+    match tree.map(|tree| (tree, tree.space.enter(ray, t_max))) {
+        Some((_, Entry::Missed)) => {}
+        None | Some((_, Entry::Unbounded)) => {
+            let _ = (0..count as u32).any(|triangle| test(triangle) == Real::NEG_INFINITY);
         }
-        t_max
+        Some((tree, Entry::Entered(culling_ray))) => {
+            let center = tree.space.scaled_center();
+            tree.traverse(
+                simd,
+                &culling_ray,
+                culling_ray.limit(t_max),
+                #[inline(always)]
+                |block, mut limit| {
+                    let mut candidates = block.candidates(simd, center, culling_ray.splat(simd), limit);
+                    while candidates != 0 && limit > DONE {
+                        limit = culling_ray.limit(test(block.index(candidates.trailing_zeros())));
+                        candidates &= candidates - 1;
+                    }
+                    limit
+                },
+            );
+        }
     }
 }
