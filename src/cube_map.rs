@@ -1,8 +1,6 @@
 //! [`CubeMap`]: six pictures around the scene.
 
-use crate::accel::simd::{Lanes, Level, Task};
 use crate::error::Error;
-use crate::objects::run::{Numbers, RUN, Vectors, around, numbers_in};
 use image::{ImageDecoder, ImageReader};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -60,24 +58,13 @@ impl CubeMap {
 
     /// The colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
-        let Place { face, u, v } = Place::of(direction.normalized());
-        self.faces[face].texels(u, v).blend()
+        self.texels(&Place::of(direction.normalized())).blend()
     }
 
-    /// [`color`](Self::color) in the directions of a mask.
-    pub fn colors(&self, level: Level, directions: &Vectors, mask: u64, colors: &mut Vectors) {
-        let mut directions = *directions;
-        let (mut faces, mut u, mut v) = ([0; RUN], [0.0; RUN], [0.0; RUN]);
-        level.run(FindPlaces { directions: &mut directions, mask, faces: &mut faces, u: &mut u, v: &mut v });
-        let mut texels = [Vectors::ZERO; 4];
-        for number in numbers_in(mask) {
-            let found = self.faces[faces[number] as usize % 6].texels(u[number], v[number]);
-            for (texels, found) in texels.iter_mut().zip(found.texels) {
-                texels.set(number, found);
-            }
-            (u[number], v[number]) = (found.right, found.below);
-        }
-        level.run(Blend { texels: &texels, right: &u, below: &v, mask, colors });
+    /// Returns the four texels around a place. Decodes the face if it has not been.
+    #[inline]
+    pub(crate) fn texels(&self, place: &Place) -> Texels {
+        self.faces[place.face % 6].texels(place.u, place.v)
     }
 
     /// Decodes the faces that these directions reach, all at once.
@@ -110,19 +97,18 @@ impl CubeMap {
 
 /// Where a ray that leaves the scene reaches the cube.
 #[derive(Clone, Copy)]
-struct Place {
-    face: usize,
+pub(crate) struct Place {
+    pub face: usize,
     /// From 0 to 1, v from the bottom.
-    u: Real,
-    v: Real,
+    pub u: Real,
+    pub v: Real,
 }
 
 impl Place {
-    /// Which way a face's picture is turned, or mirrored, is the starter's choice.
-    ///
-    /// Of a unit vector. Without branches, so that several places are found at once.
+    /// Finds the place in a direction, which must be a unit vector. How a face's picture is turned or mirrored is the
+    /// starter's choice. There are no branches, so that loops over directions vectorise.
     #[inline(always)]
-    fn of(d: Vector3) -> Self {
+    pub fn of(d: Vector3) -> Self {
         let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
         let x_wins = (x >= y) & (x >= z);
         let y_wins = !x_wins & (y >= z);
@@ -153,68 +139,23 @@ impl Place {
     }
 }
 
-/// Finds the places in the directions of a mask.
-struct FindPlaces<'a> {
-    directions: &'a mut Vectors,
-    mask: u64,
-    faces: &'a mut [u64; RUN],
-    u: &'a mut Numbers,
-    v: &'a mut Numbers,
-}
-
-impl Task for FindPlaces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        self.directions.normalize(self.mask);
-        for number in around(self.mask) {
-            let place = Place::of(self.directions.get(number));
-            self.faces[number] = place.face as u64;
-            (self.u[number], self.v[number]) = (place.u, place.v);
-        }
-    }
-}
-
 /// The four texels around a place.
-struct Texels {
+pub(crate) struct Texels {
     /// Upper left, upper right, lower left, lower right.
-    texels: [Vector3; 4],
+    pub texels: [Vector3; 4],
     /// Weights of those to the right, and of those below.
-    right: Real,
-    below: Real,
+    pub right: Real,
+    pub below: Real,
 }
 
 impl Texels {
     /// Bilinear interpolation.
     #[inline(always)]
-    fn blend(&self) -> Vector3 {
+    pub fn blend(&self) -> Vector3 {
         let [upper_left, upper_right, lower_left, lower_right] = self.texels;
         let upper = upper_left * (1.0 - self.right) + upper_right * self.right;
         let lower = lower_left * (1.0 - self.right) + lower_right * self.right;
         upper * (1.0 - self.below) + lower * self.below
-    }
-}
-
-struct Blend<'a> {
-    texels: &'a [Vectors; 4],
-    right: &'a Numbers,
-    below: &'a Numbers,
-    mask: u64,
-    colors: &'a mut Vectors,
-}
-
-impl Task for Blend<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let [a, b, c, d] = self.texels;
-        for number in around(self.mask) {
-            let texels = [a.get(number), b.get(number), c.get(number), d.get(number)];
-            let texels = Texels { texels, right: self.right[number], below: self.below[number] };
-            self.colors.set(number, texels.blend());
-        }
     }
 }
 

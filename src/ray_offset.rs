@@ -1,70 +1,114 @@
 //! Where shadow and mirror rays start, and the tolerances behind it.
 //!
-//! In: where a ray has met a surface. Out: a [`Departure`], from which rays leave that surface. The starter's rays
-//! leave 0.01 along their own direction, and the course's pictures depend on it; [`Epsilon::Auto`](crate::options::Epsilon::Auto) takes the smallest
-//! distance that rounding allows, which holds at every scale. `docs/numerics.md` has the derivations at length.
+//! A ray that starts on the surface it leaves would meet that surface again, because the computed point of a hit is
+//! rounded. The starter's rays start 0.01 along themselves, and the course's pictures depend on it.
+//! [`Epsilon::Auto`](crate::options::Epsilon::Auto) takes the smallest distance that rounding allows, which holds at every scale.
+//! `docs/numerics.md` derives it at length.
 //!
-//! Tolerances that belong to one object stand beside it, in units of [`ROUNDING`]: boxes in `objects/aabb.rs`,
-//! surfaces in `objects/surface.rs`, placements in `objects/placement.rs`.
+//! Tolerances that belong to one object stand beside it, in units of [`UNIT_ROUNDOFF`]: those of boxes in
+//! `objects/aabb.rs`, of surfaces in the file of each shape, of transforms in `objects/transform.rs`.
 
-use crate::light::Light;
+use crate::light::{Illumination, Light};
 use crate::material::mirrored;
 use crate::objects::{Ray, SurfacePoint};
-use vecmath::{Real, Vector3};
+use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 
-/// The largest relative error of one rounding: u of Higham, Accuracy and Stability of Numerical Algorithms, 2002, 2.1.
-pub const ROUNDING: Real = Real::EPSILON / 2.0;
-
-/// A light stops being behind an object that it touches: rounding may put the hit on the light's side or on this one.
+/// Share of the distance and of the coordinates by which a shadow ray ends before the light: an object that the light
+/// touches must not block it, though rounding may put the hit on either side of the light.
 ///
 /// Distance and t each come from a difference, three squares and a root (5 roundings of the distance and one of the
-/// light's and the origin's coordinates each); the object adds at most as much as a surface's own bound, some 20
+/// light's and the origin's coordinates each). The object adds at most as much as a surface's own error bound, some 20
 /// roundings of the coordinates. 64 of either cover that with room to spare.
-const LIGHT_GAP: Real = 64.0 * ROUNDING;
+const LIGHT_GAP: Real = 64.0 * UNIT_ROUNDOFF;
 
-/// A point of a surface, ready for rays to start just off it.
+/// Returns the ray that starts `epsilon` along itself from a point: the starter's offset.
+#[inline(always)]
+pub fn offset_along(point: Vector3, direction: Vector3, epsilon: Real) -> Ray {
+    Ray { origin: point + direction * epsilon, direction }
+}
+
+/// A point of a surface that shadow and mirror rays leave.
 #[derive(Clone, Copy, Debug)]
-pub struct Departure {
+pub enum RayOffset {
+    /// Rays start this far along themselves.
+    Along { point: Vector3, epsilon: Real },
+    /// Rays start as far beside the surface as its error bound asks for.
+    Beside(BesideSurface),
+}
+
+/// See [`RayOffset::Beside`].
+#[derive(Clone, Copy, Debug)]
+pub struct BesideSurface {
     surface: SurfacePoint,
     /// The surface's normal on the side that the eye sees.
     to_eye: Vector3,
-    /// Direction of the ray that has come here.
+    /// Direction of the ray that has hit the surface.
     incoming: Vector3,
 }
 
-impl Departure {
-    /// Where `ray` has met `surface`.
-    pub fn new(ray: &Ray, surface: SurfacePoint) -> Self {
-        let away = surface.normal.dot(ray.direction) > 0.0;
-        let to_eye = if away { -surface.normal } else { surface.normal };
-        Self { surface, to_eye, incoming: ray.direction }
+impl RayOffset {
+    /// Returns the point that is shaded.
+    pub fn point(&self) -> Vector3 {
+        match self {
+            Self::Along { point, .. } => *point,
+            Self::Beside(beside) => beside.surface.point,
+        }
     }
 
-    /// The mirror ray of direction `reflected`, which starts on the side of the surface that it goes to. If it may only
-    /// go to the side that the eye sees, an interpolated normal that leads elsewhere gives way to the face's own.
-    pub fn mirror_ray(&self, reflected: Vector3, only_to_eye: bool) -> Ray {
-        let enters = self.to_eye.dot(reflected) < 0.0;
-        let direction = if only_to_eye && enters { mirrored(self.incoming, self.to_eye) } else { reflected };
-        Ray { origin: self.surface.beside(direction), direction }
+    /// Returns the ray to a light as `seen` from the point, and how far it goes. The distance is measured from the moved
+    /// origin, as in the starter: what stands up to one offset behind the light blocks it too, unless with `-robust`.
+    pub fn shadow_ray(&self, light: &Light, seen: &Illumination, is_robust: bool) -> (Ray, Real) {
+        match self {
+            Self::Along { point, epsilon } => {
+                let ray = offset_along(*point, seen.to_light, *epsilon);
+                let t_max =
+                    if is_robust { shadow_t_max(ray.origin, seen.distance - epsilon) } else { seen.distance };
+                (ray, t_max)
+            }
+            Self::Beside(beside) => beside.shadow_ray(light, seen.to_light, seen.distance, is_robust),
+        }
     }
 
-    /// The ray to a light from the side that the eye sees, wherever the light is, and how far it goes: a surface stands
-    /// in the way of what is behind it.
-    pub fn shadow_ray(&self, light: &Light) -> (Ray, Real) {
-        let origin = self.surface.point + self.to_eye * self.surface.gap;
-        let illumination = light.illuminate(origin);
-        (Ray { origin, direction: illumination.to_light }, shadow_limit(origin, illumination.distance))
-    }
-
-    /// The starter's ray to a light, but for its distance from the surface.
-    pub fn plain_shadow_ray(&self, to_light: Vector3, distance: Real) -> (Ray, Real) {
-        (Ray { origin: self.surface.beside(to_light), direction: to_light }, distance)
+    /// Returns the mirror ray in this direction.
+    pub fn mirror_ray(&self, reflected: Vector3, is_robust: bool) -> Ray {
+        match self {
+            Self::Along { point, epsilon } => offset_along(*point, reflected, *epsilon),
+            Self::Beside(beside) => beside.mirror_ray(reflected, is_robust),
+        }
     }
 }
 
-/// How far an object in front of a light may be, if `distance` lies between the light and `origin`: not quite so far,
-/// for the light may lie on an object.
-pub fn shadow_limit(origin: Vector3, distance: Real) -> Real {
+impl BesideSurface {
+    /// Makes the start of rays where `ray` has hit `surface`.
+    pub fn new(ray: &Ray, surface: SurfacePoint) -> Self {
+        let points_away = surface.normal.dot(ray.direction) > 0.0;
+        let to_eye = if points_away { -surface.normal } else { surface.normal };
+        Self { surface, to_eye, incoming: ray.direction }
+    }
+
+    /// Returns the mirror ray, which starts on the side that it goes to. With `-robust` it goes to the side that the eye
+    /// sees: where a smoothed normal would lead it into the mirror, the face's own normal takes its place.
+    pub fn mirror_ray(&self, reflected: Vector3, is_robust: bool) -> Ray {
+        let enters = self.to_eye.dot(reflected) < 0.0;
+        let direction = if is_robust && enters { mirrored(self.incoming, self.to_eye) } else { reflected };
+        Ray { origin: self.surface.beside(direction), direction }
+    }
+
+    /// Returns the ray to a light, and how far it goes. With `-robust` it starts on the side that the eye sees, wherever
+    /// the light is: a surface blocks a light behind it.
+    pub fn shadow_ray(&self, light: &Light, to_light: Vector3, distance: Real, is_robust: bool) -> (Ray, Real) {
+        if !is_robust {
+            return (Ray { origin: self.surface.beside(to_light), direction: to_light }, distance);
+        }
+        let origin = self.surface.point + self.to_eye * self.surface.gap;
+        let seen = light.illuminate(origin);
+        (Ray { origin, direction: seen.to_light }, shadow_t_max(origin, seen.distance))
+    }
+}
+
+/// Returns how far a shadow ray goes to a light at this distance from its origin: not quite so far, because the light may
+/// lie on an object.
+pub fn shadow_t_max(origin: Vector3, distance: Real) -> Real {
     if distance == Real::INFINITY {
         return distance;
     }
@@ -85,33 +129,33 @@ mod tests {
 
     #[test]
     fn rays_start_on_the_side_they_go_to_or_on_the_eyes() {
-        let departure = Departure::new(&DOWN, surface());
-        assert_eq!(departure.mirror_ray(Y, true).origin, Vector3::new(0.0, 0.625, 0.0));
-        assert_eq!(departure.mirror_ray(-Y, false).origin, Vector3::new(0.0, 0.375, 0.0));
+        let beside = BesideSurface::new(&DOWN, surface());
+        assert_eq!(beside.mirror_ray(Y, true).origin, Vector3::new(0.0, 0.625, 0.0));
+        assert_eq!(beside.mirror_ray(-Y, false).origin, Vector3::new(0.0, 0.375, 0.0));
         let lamp = |y| Light::Point { position: Vector3::new(0.0, y, 0.0), color: Y, falloff: 1.0 };
+        let shadow_origin = |y, is_robust| {
+            let seen = lamp(y).illuminate(Vector3::new(0.0, 0.5, 0.0));
+            beside.shadow_ray(&lamp(y), seen.to_light, seen.distance, is_robust).0.origin
+        };
         for y in [3.0, -3.0] {
-            assert_eq!(departure.shadow_ray(&lamp(y)).0.origin, Vector3::new(0.0, 0.625, 0.0));
+            assert_eq!(shadow_origin(y, true), Vector3::new(0.0, 0.625, 0.0));
         }
-        let below = lamp(-3.0).illuminate(Vector3::new(0.0, 0.5, 0.0));
-        assert_eq!(
-            departure.plain_shadow_ray(below.to_light, below.distance).0.origin,
-            Vector3::new(0.0, 0.375, 0.0)
-        );
+        assert_eq!(shadow_origin(-3.0, false), Vector3::new(0.0, 0.375, 0.0));
     }
 
     #[test]
     fn a_mirror_sends_no_ray_into_itself() {
-        let departure = Departure::new(&DOWN, surface());
+        let beside = BesideSurface::new(&DOWN, surface());
         let inward = Vector3::new(0.8, -0.6, 0.0);
-        assert_eq!(departure.mirror_ray(inward, false).direction, inward);
-        assert_eq!(departure.mirror_ray(inward, true).direction, Y);
+        assert_eq!(beside.mirror_ray(inward, false).direction, inward);
+        assert_eq!(beside.mirror_ray(inward, true).direction, Y);
     }
 
     #[test]
     fn a_light_is_not_behind_the_object_that_it_touches() {
         let origin = Vector3::new(1e6, 0.0, 0.0);
-        assert!(shadow_limit(origin, 1.0) < 1.0);
-        assert!(shadow_limit(origin, 1.0) > 1.0 - 1e6 * 100.0 * ROUNDING);
-        assert_eq!(shadow_limit(origin, Real::INFINITY), Real::INFINITY);
+        assert!(shadow_t_max(origin, 1.0) < 1.0);
+        assert!(shadow_t_max(origin, 1.0) > 1.0 - 1e6 * 100.0 * UNIT_ROUNDOFF);
+        assert_eq!(shadow_t_max(origin, Real::INFINITY), Real::INFINITY);
     }
 }

@@ -1,0 +1,159 @@
+//! What one ray sees: the definition of the picture. **Begin reading here.**
+//!
+//! This is Whitted ray tracing (Whitted: An Improved Illumination Model for Shaded Display, 1980) with the Phong model, as
+//! the course defines it. Light is followed backwards. A ray goes from the eye through a pixel and finds the nearest
+//! surface. Each light adds to that point's colour, unless a *shadow ray* towards it is blocked. If the surface is a
+//! mirror, a *mirror ray* goes on, and what it sees is added too. A ray that meets nothing sees the background.
+//!
+//! ```text
+//!        eye ----camera ray----> surface ----shadow rays----> lights
+//!                                   '------mirror ray----> surface ... --> background
+//! ```
+//!
+//! The renderer in [`wide`](crate::wide) follows 64 rays at a time and gives every pixel the same bits. `-plain` renders
+//! with this file instead: it is slower, and the first thing to try when a picture looks wrong.
+
+use crate::light::Light;
+use crate::material::{Material, mirrored};
+use crate::objects::{Hit, Ray};
+use crate::options::Epsilon;
+use crate::plan::Plan;
+use crate::ray_counts::RayCounts;
+use crate::ray_offset::{BesideSurface, RayOffset};
+use crate::scene::Scene;
+use vecmath::{Real, Vector3};
+
+/// What a camera ray saw.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// Zero unless a colour picture is asked for.
+    pub color: Vector3,
+    /// t of the nearest hit; the camera ray is a unit vector, so this is a distance.
+    pub depth: Option<Real>,
+    /// Normal at the nearest hit; zero without a hit, or if no picture of normals is asked for.
+    pub normal: Vector3,
+}
+
+/// Returns what a camera ray sees, and counts the rays that this takes.
+///
+/// The course's `traceRay` calls itself for the mirror ray and multiplies on the way back. Here the product is carried
+/// along instead: the *throughput* is the share of further light that reaches the eye. So the stack stays small
+/// whatever `-bounces` is.
+pub fn trace_ray(scene: &Scene, plan: &Plan, camera_ray: Ray, counts: &mut RayCounts) -> Seen {
+    counts.camera += 1;
+    let mut ray = camera_ray;
+    let mut hit = scene.geometry.closest_hit(&ray);
+    let mut seen = first_seen(scene, plan, &ray, hit.as_ref());
+    if !plan.color {
+        return seen;
+    }
+    let (mut throughput, mut bounces) = (Vector3::splat(1.0), plan.bounces);
+    while let Some(found) = hit {
+        let surface = Surface::at(scene, plan, &ray, &found);
+        seen.color += throughput.scaled_by(surface.reflected_light(scene, plan, counts));
+        if bounces == 0 || !surface.material.is_mirror() {
+            return seen;
+        }
+        // The mirror shows what lies in the mirrored direction, tinted by its specular colour.
+        bounces -= 1;
+        throughput = throughput.scaled_by(surface.material.specular);
+        if !can_change(scene, plan, seen.color, throughput, bounces) {
+            return seen;
+        }
+        counts.mirror += 1;
+        ray = surface.mirror_ray(plan);
+        hit = scene.geometry.closest_hit(&ray);
+    }
+    seen.color += throughput.scaled_by(scene.background.color(ray.direction));
+    seen
+}
+
+/// What the pictures of depths and normals show of a ray's hit.
+fn first_seen(scene: &Scene, plan: &Plan, ray: &Ray, hit: Option<&Hit>) -> Seen {
+    let normal = hit.filter(|_| plan.normals).map(|hit| scene.geometry.normal(ray, hit));
+    Seen { color: Vector3::ZERO, depth: hit.map(|hit| hit.surface.t), normal: normal.unwrap_or(Vector3::ZERO) }
+}
+
+/// The point of a surface that a ray has hit.
+struct Surface<'a> {
+    material: &'a Material,
+    normal: Vector3,
+    /// The mirrored direction of the ray.
+    reflected: Vector3,
+    /// The point, and where rays that leave it start.
+    offset: RayOffset,
+}
+
+impl<'a> Surface<'a> {
+    fn at(scene: &'a Scene, plan: &Plan, ray: &Ray, hit: &Hit) -> Self {
+        let material = scene.geometry.objects[hit.object as usize].material;
+        let normal = scene.geometry.normal(ray, hit);
+        let offset = match plan.epsilon {
+            Epsilon::Along(epsilon) => RayOffset::Along { point: ray.at(hit.surface.t), epsilon: epsilon as Real },
+            Epsilon::Auto => RayOffset::Beside(BesideSurface::new(ray, scene.geometry.surface_point(ray, hit))),
+        };
+        Self {
+            material: &scene.materials[material as usize],
+            normal,
+            reflected: mirrored(ray.direction, normal),
+            offset,
+        }
+    }
+
+    /// The light that the surface reflects along the ray, without what it mirrors: ambient light, and diffuse light and a
+    /// highlight from each light that is not blocked.
+    fn reflected_light(&self, scene: &Scene, plan: &Plan, counts: &mut RayCounts) -> Vector3 {
+        let lights = scene.lights.iter().map(|light| self.reflected_from(light, scene, plan, counts));
+        let color = lights.fold(Vector3::ZERO, |sum, reflected| sum + reflected);
+        color + scene.ambient_light.scaled_by(self.material.diffuse)
+    }
+
+    fn reflected_from(&self, light: &Light, scene: &Scene, plan: &Plan, counts: &mut RayCounts) -> Vector3 {
+        let seen = light.illuminate(self.offset.point());
+        let reflected = self.material.phong(&seen, self.normal, self.reflected);
+        if plan.shadows {
+            // No shadow ray where the light contributes exactly zero.
+            if reflected == Vector3::ZERO {
+                counts.shadow_left_out += 1;
+                return Vector3::ZERO;
+            }
+            counts.shadow += 1;
+            let (ray, t_max) = self.offset.shadow_ray(light, &seen, plan.robust);
+            if scene.geometry.any_hit(&ray, t_max) {
+                return Vector3::ZERO;
+            }
+        }
+        reflected
+    }
+
+    fn mirror_ray(&self, plan: &Plan) -> Ray {
+        self.offset.mirror_ray(self.reflected, plan.robust)
+    }
+}
+
+/// Returns whether anything further along a path can change a bit of its colour: with a throughput of zero nothing can,
+/// nor with one so small that all the light there is, at most `bounces + 1` times, is lost in rounding.
+pub fn can_change(scene: &Scene, plan: &Plan, color: Vector3, throughput: Vector3, bounces: u32) -> bool {
+    if throughput == Vector3::ZERO {
+        return false;
+    }
+    let Some(bound) = plan.radiance_bound.filter(|_| scene.throughput_never_grows) else {
+        return true;
+    };
+    let rest = Real::from(bounces as f32 + 1.0) * bound;
+    (0..3).any(|c| color[c] + throughput[c].abs() * rest != color[c])
+}
+
+/// Returns the direction in which a camera ray leaves the scene, at once or after at most `mirrors` mirrors.
+pub fn escape_direction(scene: &Scene, plan: &Plan, camera_ray: Ray, mirrors: u32) -> Option<Vector3> {
+    let mut ray = camera_ray;
+    for _ in 0..=plan.bounces.min(mirrors) {
+        let Some(hit) = scene.geometry.closest_hit(&ray) else { return Some(ray.direction) };
+        let surface = Surface::at(scene, plan, &ray, &hit);
+        if !surface.material.is_mirror() {
+            return None;
+        }
+        ray = surface.mirror_ray(plan);
+    }
+    None
+}
