@@ -1,99 +1,178 @@
-//! [`HitRun`]: what the rays of a run have hit so far.
+//! [`HitPacket`]: the nearest hits of a packet's rays so far.
 
-use super::run::{Numbers, RUN, Vectors};
-use super::{Object, ObjectHit, Shape, T_MAX};
-use crate::accel::Hit;
-use crate::accel::simd::{Lanes, Level, Task};
-use vecmath::Real;
+use crate::objects::{Hit, Object, Shape, SurfaceHit, T_MAX, match_surface};
+use crate::simd::Simd;
+use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, span};
+use vecmath::{Real, greater};
 
-/// The nearest hits of the rays of a run.
+/// The nearest hit of each lane. A query also reads from `t` how far its rays go.
 #[derive(Clone, Copy, Debug)]
-pub struct HitRun {
-    /// Index of the object, [`NOTHING`](Self::NOTHING) where nothing is hit.
-    pub object: [u32; RUN],
-    pub at: SurfaceRun,
-}
-
-/// Where rays meet a surface; see [`ObjectHit`](super::ObjectHit).
-#[derive(Clone, Copy, Debug)]
-pub struct SurfaceRun {
-    pub t: Numbers,
-    pub triangle: [u32; RUN],
+pub struct HitPacket {
+    /// Index of the object, [`NOTHING`](Self::NOTHING) if nothing is hit.
+    pub object: [u32; PACKET],
+    pub t: Scalars,
+    /// Triangle and weights are set only where a triangle is hit; see [`SurfaceHit`].
+    pub triangle: [u32; PACKET],
     pub barycentric: Vectors,
 }
 
-impl SurfaceRun {
-    #[inline(always)]
-    pub fn get(&self, number: usize) -> ObjectHit {
-        let barycentric = self.barycentric.get(number).to_array();
-        ObjectHit { t: self.t[number], triangle: self.triangle[number], barycentric }
-    }
+/// The largest t of a hit.
+pub const BELOW_T_MAX: Real = T_MAX.next_down();
 
-    #[inline(always)]
-    pub fn set(&mut self, number: usize, hit: ObjectHit) {
-        self.t[number] = hit.t;
-        self.triangle[number] = hit.triangle;
-        self.barycentric.set(number, hit.barycentric.into());
-    }
-}
-
-impl HitRun {
+impl HitPacket {
     /// The index of no object.
     pub const NOTHING: u32 = u32::MAX;
 
-    /// Nothing is hit yet: whatever is nearer than [`T_MAX`] will be.
+    /// Nothing is hit yet.
     pub const NONE: Self = Self {
-        object: [Self::NOTHING; RUN],
-        at: SurfaceRun { t: [BELOW_T_MAX; RUN], triangle: [0; RUN], barycentric: Vectors::ZERO },
+        object: [Self::NOTHING; PACKET],
+        t: [BELOW_T_MAX; PACKET],
+        triangle: [0; PACKET],
+        barycentric: Vectors::ZERO,
     };
 
     pub fn clear(&mut self) {
         self.object = Self::NONE.object;
-        self.at.t = Self::NONE.at.t;
+        self.t = Self::NONE.t;
     }
 
-    /// The rays of a mask whose nearest hit is of this object.
-    pub fn of_object(&self, level: Level, mask: u64, object: u32) -> u64 {
-        mask & level.run(OfObject { hits: self, object })
+    /// Returns the active lanes whose nearest hit is on this object.
+    pub fn lanes_of<S: Simd>(&self, simd: S, active: u64, object: u32) -> u64 {
+        active
+            & simd.vectorize(
+                #[inline(always)]
+                move || {
+                    let mut mask = 0;
+                    for lane in 0..PACKET {
+                        mask |= u64::from(self.object[lane] == object) << lane;
+                    }
+                    mask
+                },
+            )
     }
 
-    /// The nearest hit of a ray.
-    pub fn get(&self, number: usize, objects: &[Object]) -> Option<Hit> {
-        let object = self.object[number];
-        let at = |shape: &Shape| match shape {
-            Shape::Sphere(_) | Shape::Plane(_) => ObjectHit::at(self.at.t[number]),
-            Shape::Triangle(_) | Shape::Mesh(_) => self.at.get(number),
-        };
-        (object != Self::NOTHING).then(|| Hit { object, at: at(&objects[object as usize].shape) })
+    /// Returns the nearest hit of a lane.
+    pub fn get(&self, lane: usize, objects: &[Object]) -> Option<Hit> {
+        let object = self.object[lane];
+        (object != Self::NOTHING).then(|| {
+            let surface = match_surface!(&objects[object as usize].shape,
+                _surface => SurfaceHit::at(self.t[lane]),
+                Shape::Triangle(_) | Shape::Mesh(_) => self.surface(lane),
+            );
+            Hit { object, surface }
+        })
     }
 
-    /// Hits of this object count below this t. Of equals the first object wins, whatever the order of asking.
+    /// Returns where a lane's ray hits a triangle.
     #[inline(always)]
-    pub fn limit(&self, number: usize, object: u32) -> Real {
-        let bits = self.at.t[number].to_bits();
-        // The next number, for t is above 0.
-        Real::from_bits(if object < self.object[number] { bits + 1 } else { bits })
+    pub fn surface(&self, lane: usize) -> SurfaceHit {
+        let barycentric = self.barycentric.get(lane).to_array();
+        SurfaceHit { t: self.t[lane], triangle: self.triangle[lane], barycentric }
     }
-}
-
-/// Tells the rays whose nearest hit is of an object.
-struct OfObject<'a> {
-    hits: &'a HitRun,
-    object: u32,
-}
-
-impl Task for OfObject<'_> {
-    type Output = u64;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) -> u64 {
-        let mut mask = 0;
-        for number in 0..RUN {
-            mask |= u64::from(self.hits.object[number] == self.object) << number;
+    pub fn set_surface(&mut self, lane: usize, hit: SurfaceHit) {
+        self.t[lane] = hit.t;
+        self.triangle[lane] = hit.triangle;
+        self.barycentric.set(lane, hit.barycentric.into());
+    }
+
+    /// Returns the t below which a hit of this object replaces a lane's hit.
+    #[inline(always)]
+    pub fn limit(&self, lane: usize, object: u32) -> Real {
+        let bits = self.t[lane].to_bits();
+        // One number further for an object that comes first, because it wins at the same t. t is above 0.
+        Real::from_bits(if object < self.object[lane] { bits + 1 } else { bits })
+    }
+
+    /// Computes the [`limit`](Self::limit) of each active lane.
+    pub fn limits<S: Simd>(&self, simd: S, index: u32, active: u64, limits: &mut Scalars) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                for lane in span(active) {
+                    limits[lane] = self.limit(lane, index);
+                }
+            },
+        );
+    }
+
+    /// Replaces hits of the active lanes by those at `t` that are nearer.
+    pub fn take_nearer<S: Simd>(&mut self, simd: S, index: u32, active: u64, t: &Scalars) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                for lane in span(active) {
+                    let (new, old, before) = (t[lane], self.t[lane], self.object[lane]);
+                    let takes = is_nearer(new, old, index < before) & has_lane(active, lane);
+                    self.t[lane] = if takes { new } else { old };
+                    self.object[lane] = if takes { index } else { before };
+                }
+            },
+        );
+    }
+
+    /// Replaces hits of the active lanes by those in a mesh that are nearer.
+    pub fn take_nearer_in_mesh<S: Simd>(
+        &mut self,
+        simd: S,
+        object: &Object,
+        index: u32,
+        world: &RayPacket,
+        active: u64,
+        in_mesh: &Self,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            move || {
+                for lane in span(active) {
+                    let (old, before) = (self.t[lane], self.object[lane]);
+                    let (meets, entry) = object.entry_branchless(&world.get_prepared(lane), old);
+                    let new = greater(in_mesh.t[lane], entry);
+                    let takes = meets & is_nearer(new, old, index < before) & has_lane(active, lane);
+                    self.t[lane] = if takes { new } else { old };
+                    self.object[lane] = if takes { index } else { before };
+                    self.triangle[lane] = if takes { in_mesh.triangle[lane] } else { self.triangle[lane] };
+                    let (weights, kept) = (in_mesh.barycentric.get(lane), self.barycentric.get(lane));
+                    self.barycentric.set(lane, if takes { weights } else { kept });
+                }
+            },
+        );
+    }
+
+    /// Replaces the hit of one lane by that in a mesh, if it is nearer.
+    #[inline(always)]
+    pub fn take_if_nearer(&mut self, object: &Object, index: u32, world: &RayPacket, lane: usize, in_mesh: &Self) {
+        let limit = self.limit(lane, index);
+        let Some(entry) = object.entry(&world.get_prepared(lane), limit) else { return };
+        let hit = in_mesh.surface(lane);
+        let t = greater(hit.t, entry);
+        if t < limit {
+            self.object[lane] = index;
+            self.set_surface(lane, SurfaceHit { t, ..hit });
         }
-        mask
+    }
+
+    /// Returns the active lanes whose rays enter an object's bounds at a t up to and including that of their hit.
+    pub fn entering<S: Simd>(&self, simd: S, object: &Object, world: &RayPacket, active: u64) -> u64 {
+        active
+            & simd.vectorize(
+                #[inline(always)]
+                move || {
+                    let mut met = 0;
+                    for lane in span(active) {
+                        let (meets, _) = object.entry_branchless(&world.get_prepared(lane), self.t[lane]);
+                        met |= u64::from(meets) << lane;
+                    }
+                    met
+                },
+            )
     }
 }
 
-/// The largest t of a hit.
-const BELOW_T_MAX: Real = T_MAX.next_down();
+/// Returns whether a hit at `new` replaces one at `old`: it is nearer, or as near and first in the file. It has no
+/// branches, so that loops vectorise.
+#[inline(always)]
+pub fn is_nearer(new: Real, old: Real, comes_first: bool) -> bool {
+    (new < old) | ((new == old) & comes_first)
+}

@@ -1,358 +1,331 @@
-//! What many rays hit of one object: the definitions of [`Object`], asked for the rays of a run at once.
+//! Queries of a packet against the [`Geometry`]: [`Geometry::closest_hits`] and [`Geometry::any_hits`].
+//!
+//! They give each lane what [`Geometry::closest_hit`] and [`Geometry::any_hit`] give its ray.
 
-use super::run::{Numbers, Prepare, PreparedRun, RUN, RayRun, Vectors, WorldRun, around, is_dense, numbers_in};
-use super::{Aabb, Mesh, Object, ObjectHit, Placement, Plane, PreparedRay, Shape, Sphere, TriangleHits};
-use super::{HitRun, SurfaceRun};
-use crate::accel::kept::Kept;
-use crate::accel::simd::{Lanes, Level, Task};
+use super::hit_packet::{BELOW_T_MAX, HitPacket};
+use super::mesh::MeshQuery;
+use super::triangle::TriangleHits;
+use crate::bvh::{Bvh, CullingPacket, DONE, LeafVisitor, PacketBounds, Shaft, TraversalScratch};
+use crate::objects::{Aabb, PreparedRay, Shape, Surface, Transform, match_surface};
+use crate::scene::Geometry;
+use crate::simd::Simd;
+use crate::simd::packet::{PACKET, RayPacket, Scalars, is_dense, lanes_in, span};
 use vecmath::{Real, greater};
 
-/// What a thread needs room for while it asks an object.
-struct Scratch {
-    /// Rays in object space.
-    rays: RayRun,
-    inverse_direction: Vectors,
-    /// Places where rays meet a sphere or a plane.
-    t: Numbers,
-    in_mesh: SurfaceRun,
-    triangle_hits: TriangleHits,
+/// What queries need room for. A tracer keeps one and lends it to every query. The boxes are made for the first query
+/// that needs them, because filling so much memory would take longer than a small scene.
+pub struct Scratch {
+    bounds: PacketBounds,
+    traversal: Option<Box<TraversalScratch>>,
+    /// For a query of any hit: how far the rays still go.
+    any: Option<Box<HitPacket>>,
+    object: ObjectScratch,
+}
+
+/// What testing one object needs room for.
+struct ObjectScratch {
+    /// The rays in object space.
+    rays: Option<Box<RayPacket>>,
+    /// Where they meet the object.
+    t: Scalars,
+    mesh: Option<Box<MeshScratch>>,
+}
+
+/// What testing one mesh needs room for.
+struct MeshScratch {
+    hits: HitPacket,
+    exact: TriangleHits,
+    traversal: TraversalScratch,
+}
+
+impl MeshScratch {
+    const EMPTY: Self =
+        Self { hits: HitPacket::NONE, exact: TriangleHits::NONE, traversal: TraversalScratch::EMPTY };
 }
 
 impl Default for Scratch {
     fn default() -> Self {
-        let HitRun { at: in_mesh, .. } = HitRun::NONE;
-        Self {
-            rays: RayRun::NONE,
-            inverse_direction: Vectors::ZERO,
-            t: [0.0; RUN],
-            in_mesh,
-            triangle_hits: TriangleHits::NONE,
-        }
+        let object = ObjectScratch { rays: None, t: [0.0; PACKET], mesh: None };
+        Self { bounds: PacketBounds::EMPTY, traversal: None, any: None, object }
     }
 }
 
-thread_local! {
-    static SCRATCH: Kept<Scratch> = const { Kept::new(None) };
-}
-
-/// How an object is best asked about some rays.
-enum Way<'a> {
-    Mesh(&'a Mesh),
-    Smooth(Smooth<'a>),
-    OneByOne,
-}
-
-/// What is hit in a place that a formula gives.
-#[derive(Clone, Copy)]
-enum Smooth<'a> {
-    Plane(&'a Plane),
-    Sphere(&'a Sphere, &'a Aabb),
-}
-
-impl Object {
-    fn way<'a>(&'a self, meshes: &'a [Mesh], mask: u64) -> Way<'a> {
-        match (&self.shape, &self.bounds) {
-            _ if mask.is_power_of_two() => Way::OneByOne,
-            (Shape::Mesh(mesh), _) => Way::Mesh(&meshes[*mesh as usize]),
-            (Shape::Plane(plane), None) => Way::Smooth(Smooth::Plane(plane)),
-            (Shape::Sphere(sphere), Some(bounds)) if self.spread == 0.0 => {
-                Way::Smooth(Smooth::Sphere(sphere, bounds))
-            }
-            _ => Way::OneByOne,
-        }
-    }
-
-    /// Replaces the nearest hits of the rays of a mask where those of this object, which has this `index`, are nearer.
-    pub fn closest_hits(
+impl Geometry {
+    /// Finds the closest hits of the active rays. It is fastest for rays that lie side by side.
+    pub fn closest_hits<S: Simd>(
         &self,
-        index: u32,
-        meshes: &[Mesh],
-        level: Level,
-        world: &mut WorldRun,
-        mask: u64,
-        hits: &mut HitRun,
+        simd: S,
+        rays: &mut RayPacket,
+        active: u64,
+        scratch: &mut Scratch,
+        hits: &mut HitPacket,
     ) {
-        let mut scratch = SCRATCH.take().unwrap_or_default();
-        let Scratch { rays, inverse_direction, t, in_mesh, triangle_hits } = &mut *scratch;
-        match self.way(meshes, mask) {
-            Way::Mesh(mesh) => {
-                level.run(SetLimits { index, mask, hits, limits: &mut in_mesh.t });
-                let rays = self.prepared(level, world, mask, rays, inverse_direction);
-                let hit = mesh.closest_hits(rays, mask, triangle_hits, in_mesh);
-                if is_dense(hit, 2) {
-                    level.run(KeepNearestInMesh { object: self, index, world, mask: hit, in_mesh, hits });
-                } else {
-                    numbers_in(hit).for_each(|number| self.keep_nearest(index, world, number, in_mesh, hits));
-                }
-            }
-            Way::Smooth(smooth) => {
-                self.distances(smooth, level, world, mask, &hits.at.t, rays, t);
-                level.run(KeepNearest { index, mask, t, hits });
-            }
-            Way::OneByOne => {
-                for number in numbers_in(mask) {
-                    let ray = PreparedRay::new(world.rays().get(number));
-                    if let Some(hit) = self.closest_hit(meshes, &ray, hits.limit(number, index)) {
-                        hits.object[number] = index;
-                        hits.at.set(number, hit);
-                    }
-                }
-            }
-        }
-        SCRATCH.set(Some(scratch));
+        hits.clear();
+        let Scratch { bounds, traversal, object, .. } = scratch;
+        self.query::<S, false>(simd, rays, active, bounds, traversal, object, hits);
     }
 
-    /// Those rays of a mask that hit this object at a t up to and including their `t_max`.
-    pub fn any_hits(
+    /// Returns the active rays that hit anything at a t up to and including their `t_max`.
+    pub fn any_hits<S: Simd>(
         &self,
-        meshes: &[Mesh],
-        level: Level,
-        world: &mut WorldRun,
-        mask: u64,
-        t_max: &Numbers,
+        simd: S,
+        rays: &mut RayPacket,
+        active: u64,
+        scratch: &mut Scratch,
+        t_max: &Scalars,
     ) -> u64 {
-        let mut scratch = SCRATCH.take().unwrap_or_default();
-        let Scratch { rays, inverse_direction, t, triangle_hits, .. } = &mut *scratch;
-        let mut found = 0;
-        match self.way(meshes, mask) {
-            Way::Mesh(mesh) => {
-                let rays = self.prepared(level, world, mask, rays, inverse_direction);
-                let met = mesh.any_hits(rays, mask, triangle_hits, t_max);
-                if met != 0 {
-                    found = level.run(Entering { object: self, world, mask: met, t_max });
-                }
-            }
-            Way::Smooth(smooth) => {
-                self.distances(smooth, level, world, mask, t_max, rays, t);
-                for number in numbers_in(mask) {
-                    found |= u64::from(t[number] <= t_max[number]) << number;
-                }
-            }
-            Way::OneByOne => {
-                for number in numbers_in(mask) {
-                    let ray = PreparedRay::new(world.rays().get(number));
-                    found |= u64::from(self.any_hit(meshes, &ray, t_max[number])) << number;
-                }
-            }
-        }
-        SCRATCH.set(Some(scratch));
-        found
+        let Scratch { bounds, traversal, object, any } = scratch;
+        let any = any.get_or_insert_with(|| Box::new(HitPacket::NONE));
+        any.t = t_max.map(|t_max| t_max.min(BELOW_T_MAX));
+        self.query::<S, true>(simd, rays, active, bounds, traversal, object, any)
     }
 
-    /// Replaces the hit of a ray by a nearer one on this mesh.
-    #[inline(always)]
-    fn keep_nearest(&self, index: u32, world: &WorldRun, number: usize, in_mesh: &SurfaceRun, hits: &mut HitRun) {
-        let limit = hits.limit(number, index);
-        let Some(near) = self.entry(&world.get(number), limit) else { return };
-        let hit = in_mesh.get(number);
-        let t = greater(hit.t, near);
-        if t < limit {
-            hits.object[number] = index;
-            hits.at.set(number, ObjectHit { t, ..hit });
-        }
-    }
-
-    /// The rays of a mask in object space; `rays` and `inverse_direction` are room for them.
-    fn prepared<'a>(
-        &self,
-        level: Level,
-        world: &'a mut WorldRun,
-        mask: u64,
-        rays: &'a mut RayRun,
-        inverse_direction: &'a mut Vectors,
-    ) -> PreparedRun<'a> {
-        let Some(placement) = &self.placement else { return world.prepared(level) };
-        level.run(ToObject { placement, world: world.rays(), mask, rays });
-        level.run(Prepare { rays, mask, inverse_direction });
-        PreparedRun { rays, inverse_direction }
-    }
-
-    /// The places where rays of a mask meet a smooth shape, at a t up to and including `t_max` or not much beyond;
-    /// infinite where they do not. `rays` is room for the rays in object space.
     #[expect(clippy::too_many_arguments)]
-    fn distances(
+    fn query<S: Simd, const ANY: bool>(
         &self,
-        smooth: Smooth,
-        level: Level,
-        world: &mut WorldRun,
+        simd: S,
+        rays: &mut RayPacket,
+        active: u64,
+        bounds: &mut PacketBounds,
+        traversal: &mut Option<Box<TraversalScratch>>,
+        scratch: &mut ObjectScratch,
+        hits: &mut HitPacket,
+    ) -> u64 {
+        if active == 0 {
+            return 0;
+        }
+        rays.prepare(simd, active);
+        bounds.fill(simd, rays, active);
+        let mut query = Query::<ANY> { geometry: self, rays, scratch, hits, found: 0 };
+        for &index in &self.object_tree.always {
+            let object = &self.objects[index as usize];
+            let mut open = active & !query.found;
+            if let Some(object_bounds) = &object.bounds {
+                open = bounds.intersect(simd, object_bounds, object.sideways_error, open);
+            }
+            query.test_object(simd, index, open);
+        }
+        if let Some(bvh) = &self.object_tree.bvh {
+            let (around, error) = (bvh.space.bounds(), bvh.space.sideways_error());
+            let open = bounds.intersect(simd, around, error, active & !query.found);
+            let traversal = traversal.get_or_insert_with(|| Box::new(TraversalScratch::EMPTY));
+            query.traverse(simd, bvh, open, traversal);
+        }
+        query.found
+    }
+}
+
+/// A query for the closest hit, or with `ANY` for any hit. `hits.t` says how far each ray still goes; with `ANY`, minus
+/// infinity where something is hit.
+struct Query<'a, const ANY: bool> {
+    geometry: &'a Geometry,
+    /// Prepared.
+    rays: &'a RayPacket,
+    scratch: &'a mut ObjectScratch,
+    hits: &'a mut HitPacket,
+    /// With `ANY`, the lanes that have hit something: their query is answered.
+    found: u64,
+}
+
+impl<const ANY: bool> Query<'_, ANY> {
+    /// Tests the objects of a tree for the rays of a mask.
+    fn traverse<S: Simd>(&mut self, simd: S, bvh: &Bvh<u32>, mask: u64, traversal: &mut TraversalScratch) {
+        if mask == 0 {
+            return;
+        }
+        let (entered, unbounded) = traversal.packet.enter(simd, &bvh.space, self.rays, mask, &self.hits.t);
+        bvh.traverse_packet(simd, entered, traversal, &mut ObjectVisitor { objects: &bvh.leaves, query: self });
+        for &index in &bvh.leaves {
+            let open = unbounded & !self.found;
+            if open == 0 {
+                break;
+            }
+            self.test_object(simd, index, open);
+        }
+    }
+
+    /// Tests one object for the rays of a mask.
+    fn test_object<S: Simd>(&mut self, simd: S, index: u32, mask: u64) {
+        if mask == 0 {
+            return;
+        }
+        if mask.is_power_of_two() {
+            return self.test_singly(simd, index, mask);
+        }
+        let geometry = self.geometry;
+        let object = &geometry.objects[index as usize];
+        match_surface!(&object.shape,
+            surface => match &object.bounds {
+                Some(_) if object.sideways_error != 0.0 => self.test_singly(simd, index, mask),
+                bounds => self.test_surface(simd, surface, bounds.as_ref(), index, mask),
+            },
+            Shape::Triangle(_) => self.test_singly(simd, index, mask),
+            Shape::Mesh(mesh) => self.test_mesh(simd, *mesh, index, mask),
+        );
+    }
+
+    /// Tests an object for one ray after the other.
+    fn test_singly<S: Simd>(&mut self, simd: S, index: u32, mask: u64) {
+        for lane in lanes_in(mask) {
+            let ray = PreparedRay::new(self.rays.get(lane));
+            if ANY {
+                let is_hit = self.geometry.any_hit_of_object(simd, index, &ray, self.hits.t[lane]);
+                self.take_any(u64::from(is_hit) << lane);
+            } else {
+                let limit = self.hits.limit(lane, index);
+                if let Some(hit) = self.geometry.closest_hit_of_object(simd, index, &ray, limit) {
+                    self.hits.object[lane] = index;
+                    self.hits.set_surface(lane, hit);
+                }
+            }
+        }
+    }
+
+    fn take_any(&mut self, found: u64) {
+        for lane in lanes_in(found) {
+            self.hits.t[lane] = Real::NEG_INFINITY;
+        }
+        self.found |= found;
+    }
+
+    /// Tests a shape that a formula describes.
+    fn test_surface<S: Simd>(
+        &mut self,
+        simd: S,
+        surface: &impl Surface,
+        bounds: Option<&Aabb>,
+        index: u32,
         mask: u64,
-        t_max: &Numbers,
-        rays: &mut RayRun,
-        t: &mut Numbers,
     ) {
-        if let Some(placement) = &self.placement {
-            level.run(ToObject { placement, world: world.rays(), mask, rays });
-        }
-        match smooth {
-            Smooth::Plane(plane) => {
-                let rays = if self.placement.is_some() { rays } else { world.rays() };
-                level.run(PlaneHits { plane, rays, mask, t });
+        let ObjectScratch { rays: room, t, .. } = &mut *self.scratch;
+        let transform = self.geometry.objects[index as usize].transform.as_deref();
+        let rays = match transform {
+            None => self.rays,
+            Some(transform) => {
+                let room = room.get_or_insert_with(|| Box::new(RayPacket::NONE));
+                to_object_space(simd, transform, self.rays, mask, room);
+                room
             }
-            Smooth::Sphere(sphere, bounds) => {
-                let world = world.prepared(level);
-                let rays = if self.placement.is_some() { rays } else { world.rays };
-                level.run(SphereHits { sphere, bounds, world, rays, mask, t_max, t });
+        };
+        intersect_surface(simd, surface, rays, mask, t);
+        if let Some(bounds) = bounds {
+            clip_to_bounds(simd, bounds, self.rays, mask, &self.hits.t, t);
+        }
+        if ANY {
+            let mut found = 0;
+            for lane in lanes_in(mask) {
+                found |= u64::from(t[lane] <= self.hits.t[lane]) << lane;
+            }
+            self.take_any(found);
+        } else {
+            self.hits.take_nearer(simd, index, mask, t);
+        }
+    }
+
+    fn test_mesh<S: Simd>(&mut self, simd: S, mesh: u32, index: u32, mask: u64) {
+        let ObjectScratch { rays: room, mesh: scratch, .. } = &mut *self.scratch;
+        let scratch = scratch.get_or_insert_with(|| Box::new(MeshScratch::EMPTY));
+        let MeshScratch { hits: mesh_hits, exact, traversal } = &mut **scratch;
+        if ANY {
+            mesh_hits.t = self.hits.t;
+        } else {
+            self.hits.limits(simd, index, mask, &mut mesh_hits.t);
+        }
+        let object = &self.geometry.objects[index as usize];
+        let rays = match &object.transform {
+            None => self.rays,
+            Some(transform) => {
+                let room = room.get_or_insert_with(|| Box::new(RayPacket::NONE));
+                to_object_space(simd, transform, self.rays, mask, room);
+                room.prepare(simd, mask);
+                room
+            }
+        };
+        let (mesh, tree) = self.geometry.mesh_and_tree(mesh);
+        let query = MeshQuery::<ANY> { mesh, tree, rays, active: mask, hits: mesh_hits, exact };
+        let found = query.run(simd, traversal);
+        if found == 0 {
+            return;
+        }
+        if ANY {
+            let found = self.hits.entering(simd, object, self.rays, found);
+            self.take_any(found);
+        } else if is_dense(found, 2) {
+            self.hits.take_nearer_in_mesh(simd, object, index, self.rays, found, mesh_hits);
+        } else {
+            lanes_in(found).for_each(|lane| self.hits.take_if_nearer(object, index, self.rays, lane, mesh_hits));
+        }
+    }
+}
+
+/// Visits the leaves of the tree of objects.
+struct ObjectVisitor<'a, 'b, const ANY: bool> {
+    objects: &'a [u32],
+    query: &'a mut Query<'b, ANY>,
+}
+
+impl<S: Simd, const ANY: bool> LeafVisitor<S> for ObjectVisitor<'_, '_, ANY> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: usize, active: u64, _: Option<&Shaft>, packet: &mut CullingPacket) {
+        self.query.test_object(simd, self.objects[leaf], active);
+        for lane in lanes_in(active) {
+            if packet.limit(lane) > DONE {
+                packet.set_t_max(lane, self.query.hits.t[lane]);
             }
         }
     }
-}
-
-/// Takes the rays of a mask to object space.
-struct ToObject<'a> {
-    placement: &'a Placement,
-    world: &'a RayRun,
-    mask: u64,
-    rays: &'a mut RayRun,
-}
-
-impl Task for ToObject<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        for number in around(self.mask) {
-            self.rays.set(number, self.placement.ray_to_object(&self.world.get(number)));
-        }
+    fn candidates(&self, _: S, _: usize, _: usize, _: &CullingPacket) -> u32 {
+        1
+    }
+
+    #[inline(always)]
+    fn test(&mut self, simd: S, leaf: usize, _: u32, lane: usize, packet: &mut CullingPacket) {
+        self.visit(simd, leaf, 1 << lane, None, packet);
     }
 }
 
-/// Where rays meet a plane.
-struct PlaneHits<'a> {
-    plane: &'a Plane,
-    rays: &'a RayRun,
-    mask: u64,
-    t: &'a mut Numbers,
+/// Takes the active rays to object space.
+fn to_object_space<S: Simd>(simd: S, transform: &Transform, world: &RayPacket, active: u64, rays: &mut RayPacket) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            for lane in span(active) {
+                rays.set(lane, transform.ray_to_object(&world.get(lane)));
+            }
+        },
+    );
 }
 
-impl Task for PlaneHits<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        for number in around(self.mask) {
-            self.t[number] = self.plane.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
-        }
-    }
+/// Intersects the active rays with a surface; t is infinite where they miss it.
+fn intersect_surface<S: Simd>(simd: S, surface: &impl Surface, rays: &RayPacket, active: u64, t: &mut Scalars) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            for lane in span(active) {
+                t[lane] = surface.intersect(&rays.get(lane)).unwrap_or(Real::INFINITY);
+            }
+        },
+    );
 }
 
-/// Where rays meet a sphere.
-struct SphereHits<'a> {
-    sphere: &'a Sphere,
-    bounds: &'a Aabb,
-    world: PreparedRun<'a>,
-    /// In object space.
-    rays: &'a RayRun,
-    mask: u64,
-    t_max: &'a Numbers,
-    t: &'a mut Numbers,
-}
-
-impl Task for SphereHits<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        for number in around(self.mask) {
-            let (meets, near) = self.bounds.meets(&self.world.get(number), 0.0, self.t_max[number]);
-            let t = self.sphere.hit(&self.rays.get(number)).unwrap_or(Real::INFINITY);
-            self.t[number] = if meets { greater(t, near) } else { Real::INFINITY };
-        }
-    }
-}
-
-/// Replaces hits by nearer ones.
-struct KeepNearest<'a> {
-    index: u32,
-    mask: u64,
-    t: &'a Numbers,
-    hits: &'a mut HitRun,
-}
-
-impl Task for KeepNearest<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { index, mask, t, hits } = self;
-        for number in around(mask) {
-            let (new, old, before) = (t[number], hits.at.t[number], hits.object[number]);
-            let nearer = new < old || (new == old && index < before);
-            let takes = nearer && mask >> number & 1 == 1;
-            hits.at.t[number] = if takes { new } else { old };
-            hits.object[number] = if takes { index } else { before };
-        }
-    }
-}
-
-/// Says below which t hits of an object count.
-struct SetLimits<'a> {
-    index: u32,
-    mask: u64,
-    hits: &'a HitRun,
-    limits: &'a mut Numbers,
-}
-
-impl Task for SetLimits<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        for number in around(self.mask) {
-            self.limits[number] = self.hits.limit(number, self.index);
-        }
-    }
-}
-
-/// Replaces hits by nearer ones on a mesh, of those rays that have one there.
-struct KeepNearestInMesh<'a> {
-    object: &'a Object,
-    index: u32,
-    world: &'a WorldRun<'a>,
-    mask: u64,
-    in_mesh: &'a SurfaceRun,
-    hits: &'a mut HitRun,
-}
-
-impl Task for KeepNearestInMesh<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { object, index, world, mask, in_mesh, hits } = self;
-        for number in around(mask) {
-            let (old, before) = (hits.at.t[number], hits.object[number]);
-            let (meets, near) = object.meets(&world.get(number), old);
-            let new = greater(in_mesh.t[number], near);
-            let is_nearer = (new < old) | ((new == old) & (index < before));
-            let takes = meets & is_nearer & (mask >> number & 1 == 1);
-            hits.at.t[number] = if takes { new } else { old };
-            hits.object[number] = if takes { index } else { before };
-            let (triangle, kept) = (in_mesh.triangle[number], hits.at.triangle[number]);
-            hits.at.triangle[number] = if takes { triangle } else { kept };
-            let (weights, kept) = (in_mesh.barycentric.get(number), hits.at.barycentric.get(number));
-            hits.at.barycentric.set(number, if takes { weights } else { kept });
-        }
-    }
-}
-
-/// Tells those rays of a mask that meet the bounds of an object within their `t_max`.
-struct Entering<'a> {
-    object: &'a Object,
-    world: &'a WorldRun<'a>,
-    mask: u64,
-    t_max: &'a Numbers,
-}
-
-impl Task for Entering<'_> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) -> u64 {
-        let mut met = 0;
-        for number in around(self.mask) {
-            let (meets, _) = self.object.meets(&self.world.get(number), self.t_max[number]);
-            met |= u64::from(meets) << number;
-        }
-        met & self.mask
-    }
+/// Makes hits count only where the rays enter the object's bounds, and no nearer than there.
+fn clip_to_bounds<S: Simd>(
+    simd: S,
+    bounds: &Aabb,
+    world: &RayPacket,
+    active: u64,
+    t_max: &Scalars,
+    t: &mut Scalars,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            for lane in span(active) {
+                let (meets, entry) = bounds.entry_branchless(&world.get_prepared(lane), 0.0, t_max[lane]);
+                t[lane] = if meets { greater(t[lane], entry) } else { Real::INFINITY };
+            }
+        },
+    );
 }

@@ -1,175 +1,227 @@
-//! What many rays hit of a mesh: the definitions of [`Mesh`], asked for the rays of a run at once.
+//! Queries of a packet against one mesh: its tree culls, the exact test of a triangle decides.
 
-use super::SurfaceRun;
-use super::ray::ShearAxes;
-use super::run::{Numbers, PreparedRun, around, numbers_in};
+use super::hit_packet::{HitPacket, is_nearer};
 use super::triangle::TriangleHits;
-use super::{Mesh, ObjectHit, triangle_hit};
-use crate::accel::Decide;
-use crate::accel::simd::Lanes;
+use crate::bvh::{Bvh, CullingPacket, DONE, FEW, GROUPS, LeafVisitor, Shaft, TraversalScratch, TriangleBlock};
+use crate::objects::{Mesh, ShearAxes, SurfaceHit, intersect_triangle};
+use crate::simd::packet::{RayPacket, has_lane, is_dense, lanes_in, span};
+use crate::simd::{Simd, WIDTH, load};
 use vecmath::{Real, Vector3};
 
-impl Mesh {
-    /// [`closest_hit`](Self::closest_hit) of the rays of a mask. `hits` says how far each ray looks (t below its t), and
-    /// takes what it finds; the output are those that have found anything. There is room for what is found on the way in
-    /// `found`.
-    pub fn closest_hits(
-        &self,
-        rays: PreparedRun,
-        mask: u64,
-        found: &mut TriangleHits,
-        hits: &mut SurfaceRun,
-    ) -> u64 {
-        let mut closest = Closest { asking: Asking::new(self, rays, mask, found), hits, hit: 0 };
-        self.ask(rays, mask, &mut closest);
-        closest.hit
-    }
-
-    /// [`any_hit`](Self::any_hit) of the rays of a mask; as a mask.
-    pub fn any_hits(&self, rays: PreparedRun, mask: u64, found: &mut TriangleHits, t_max: &Numbers) -> u64 {
-        let mut any = Any { asking: Asking::new(self, rays, mask, found), t_max: *t_max, hit: 0 };
-        self.ask(rays, mask, &mut any);
-        any.hit
-    }
-
-    fn ask(&self, rays: PreparedRun, mask: u64, decide: &mut impl Decide) {
-        if let Some(tree) = self.tree() {
-            return tree.candidates_of_many(rays, mask, decide);
-        }
-        for number in numbers_in(mask) {
-            self.indices().for_each(|triangle| decide.one(number, triangle, None));
-        }
-    }
+/// A query of the active rays against a mesh, in the mesh's space: for the closest hit, or with `ANY` for any hit.
+///
+/// `hits.t` says how far each ray goes: below t for the closest hit, up to and including t for any. The closest hits are
+/// put into `hits`. With `ANY` nothing but `t` is changed: to minus infinity, where something is hit.
+pub struct MeshQuery<'a, const ANY: bool> {
+    pub mesh: &'a Mesh,
+    pub tree: Option<&'a Bvh<TriangleBlock>>,
+    /// Prepared.
+    pub rays: &'a RayPacket,
+    pub active: u64,
+    pub hits: &'a mut HitPacket,
+    pub exact: &'a mut TriangleHits,
 }
 
-/// Rays that ask a mesh.
-struct Asking<'a> {
-    mesh: &'a Mesh,
-    rays: PreparedRun<'a>,
-    mask: u64,
-    /// Of the mask, once they are asked for.
-    by_shear_axis: Option<[u64; 3]>,
-    found: &'a mut TriangleHits,
-}
-
-impl<'a> Asking<'a> {
-    fn new(mesh: &'a Mesh, rays: PreparedRun<'a>, mask: u64, found: &'a mut TriangleHits) -> Self {
-        Self { mesh, rays, mask, by_shear_axis: None, found }
-    }
-
-    /// Asks a triangle about those rays of a mask that are sheared along an axis, and returns them, but for those that
-    /// must be asked by themselves.
-    #[inline(always)]
-    fn triangle(&mut self, mask: u64, axis: usize, corners: [Vector3; 3]) -> (u64, u64) {
-        let Self { rays, mask: all, .. } = *self;
-        let here = mask & self.by_shear_axis.get_or_insert_with(|| rays.by_shear_axis(all))[axis];
-        if here == 0 {
-            return (0, 0);
+impl<'a, const ANY: bool> MeshQuery<'a, ANY> {
+    /// Returns the lanes that have hit anything.
+    pub fn run<S: Simd>(self, simd: S, scratch: &mut TraversalScratch) -> u64 {
+        let Self { mesh, tree, active, rays, .. } = self;
+        let mut unbounded = active;
+        let mut run = Run { query: self, by_shear_axis: None, found: 0 };
+        if let Some(tree) = tree {
+            let entered;
+            (entered, unbounded) = scratch.packet.enter(simd, &tree.space, rays, active, &run.query.hits.t);
+            let mut visitor = BlockVisitor { tree, center: tree.space.scaled_center(), run: &mut run };
+            tree.traverse_packet(simd, entered, scratch, &mut visitor);
         }
-        self.found.find(&ShearAxes::along(axis), &self.rays, here, corners);
-        let mut alone = 0;
-        for number in numbers_in(here) {
-            alone |= u64::from(self.found.verdict[number] < 0.0) << number;
-        }
-        (here & !alone, alone)
-    }
-}
-
-/// The nearest hits.
-struct Closest<'a> {
-    asking: Asking<'a>,
-    hits: &'a mut SurfaceRun,
-    /// Rays that have hit something.
-    hit: u64,
-}
-
-impl Decide for Closest<'_> {
-    fn t_max(&self) -> &Numbers {
-        &self.hits.t
-    }
-
-    fn one(&mut self, number: usize, triangle: u32, corners: Option<[Vector3; 3]>) {
-        let Self { asking: Asking { mesh, rays, .. }, hits, hit: any } = self;
-        let corners = corners.unwrap_or_else(|| mesh.corners(triangle));
-        if let Some(hit) = triangle_hit(&rays.get(number), corners) {
-            let comes_first = *any >> number & 1 == 1 && triangle < hits.triangle[number];
-            if hit.t < hits.t[number] || (hit.t == hits.t[number] && comes_first) {
-                *any |= 1 << number;
-                hits.set(number, ObjectHit { t: hit.t, triangle, barycentric: hit.barycentric });
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn many<L: Lanes>(&mut self, _: L, mask: u64, triangle: u32, corners: Option<[Vector3; 3]>) {
-        let corners = corners.unwrap_or_else(|| self.asking.mesh.corners(triangle));
-        for axis in 0..3 {
-            let (here, alone) = self.asking.triangle(mask, axis, corners);
-            let (found, hits) = (&*self.asking.found, &mut *self.hits);
-            if here != 0 {
-                let before_all = self.hit;
-                let mut taken = 0;
-                for number in around(here) {
-                    let (new, old) = (found.t[number], hits.t[number]);
-                    let before = hits.triangle[number];
-                    let comes_first = (before_all >> number & 1 == 1) & (triangle < before);
-                    let is_nearer = (new < old) | ((new == old) & comes_first);
-                    let takes = (found.verdict[number] > 0.0) & is_nearer & (here >> number & 1 == 1);
-                    taken |= u64::from(takes) << number;
-                    hits.t[number] = if takes { new } else { old };
-                    hits.triangle[number] = if takes { triangle } else { before };
-                    for corner in 0..3 {
-                        let weight = &mut hits.barycentric.0[corner][number];
-                        *weight = if takes { found.barycentric[corner][number] } else { *weight };
-                    }
+        for lane in lanes_in(unbounded) {
+            for triangle in 0..mesh.triangle_count() as u32 {
+                if run.query.hits.t[lane] > Real::NEG_INFINITY {
+                    run.test_single(lane, triangle, mesh.corners(triangle));
                 }
-                self.hit |= taken;
             }
-            numbers_in(alone).for_each(|number| self.one(number, triangle, Some(corners)));
+        }
+        run.found
+    }
+}
+
+/// A query and what is known so far.
+struct Run<'a, const ANY: bool> {
+    query: MeshQuery<'a, ANY>,
+    /// The active lanes by the axis along which their rays are sheared, once somebody needs it.
+    by_shear_axis: Option<[u64; 3]>,
+    /// The lanes that have hit something.
+    found: u64,
+}
+
+impl<const ANY: bool> Run<'_, ANY> {
+    /// Tests a triangle for one ray, perhaps not for the first time.
+    fn test_single(&mut self, lane: usize, triangle: u32, corners: [Vector3; 3]) {
+        let Some(hit) = intersect_triangle(&self.query.rays.get_prepared(lane), corners) else { return };
+        let hits = &mut *self.query.hits;
+        if ANY {
+            if hit.t <= hits.t[lane] {
+                hits.t[lane] = Real::NEG_INFINITY;
+                self.found |= 1 << lane;
+            }
+        } else {
+            let comes_first = has_lane(self.found, lane) & (triangle < hits.triangle[lane]);
+            if is_nearer(hit.t, hits.t[lane], comes_first) {
+                self.found |= 1 << lane;
+                hits.set_surface(lane, SurfaceHit { triangle, ..hit });
+            }
         }
     }
-}
 
-/// Whether there is any hit.
-struct Any<'a> {
-    asking: Asking<'a>,
-    /// Minus infinity where there is.
-    t_max: Numbers,
-    hit: u64,
-}
-
-impl Any<'_> {
+    /// Tests a triangle for the rays of a mask.
     #[inline(always)]
-    fn take(&mut self, number: usize, is_hit: bool) {
-        if is_hit {
-            self.t_max[number] = Real::NEG_INFINITY;
-            self.hit |= 1 << number;
-        }
-    }
-}
-
-impl Decide for Any<'_> {
-    fn t_max(&self) -> &Numbers {
-        &self.t_max
-    }
-
-    fn one(&mut self, number: usize, triangle: u32, corners: Option<[Vector3; 3]>) {
-        let Asking { mesh, rays, .. } = &self.asking;
-        let corners = corners.unwrap_or_else(|| mesh.corners(triangle));
-        let hit = triangle_hit(&rays.get(number), corners);
-        self.take(number, hit.is_some_and(|hit| hit.t <= self.t_max[number]));
-    }
-
-    #[inline(always)]
-    fn many<L: Lanes>(&mut self, _: L, mask: u64, triangle: u32, corners: Option<[Vector3; 3]>) {
-        let corners = corners.unwrap_or_else(|| self.asking.mesh.corners(triangle));
+    fn test_packet(&mut self, mask: u64, triangle: u32, corners: [Vector3; 3]) {
         for axis in 0..3 {
-            let (here, alone) = self.asking.triangle(mask, axis, corners);
-            for number in numbers_in(here) {
-                let TriangleHits { t, verdict, .. } = &*self.asking.found;
-                self.take(number, verdict[number] > 0.0 && t[number] <= self.t_max[number]);
+            let MeshQuery { rays, active, .. } = self.query;
+            let here = mask & self.by_shear_axis.get_or_insert_with(|| by_shear_axis(rays, active))[axis];
+            if here == 0 {
+                continue;
             }
-            numbers_in(alone).for_each(|number| self.one(number, triangle, Some(corners)));
+            self.query.exact.intersect(&ShearAxes::along(axis), rays, here, corners);
+            let verdict = &self.query.exact.verdict;
+            let mut undecided = 0;
+            for lane in lanes_in(here) {
+                undecided |= u64::from(verdict[lane] < 0.0) << lane;
+            }
+            let decided = here & !undecided;
+            if decided != 0 {
+                if ANY { self.take_any(decided) } else { self.take_nearer(decided, triangle) }
+            }
+            lanes_in(undecided).for_each(|lane| self.test_single(lane, triangle, corners));
         }
+    }
+
+    #[inline(always)]
+    fn take_any(&mut self, mask: u64) {
+        let (exact, hits) = (&*self.query.exact, &mut *self.query.hits);
+        for lane in lanes_in(mask) {
+            if exact.verdict[lane] > 0.0 && exact.t[lane] <= hits.t[lane] {
+                hits.t[lane] = Real::NEG_INFINITY;
+                self.found |= 1 << lane;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn take_nearer(&mut self, mask: u64, triangle: u32) {
+        let (exact, hits) = (&*self.query.exact, &mut *self.query.hits);
+        let found_before = self.found;
+        let mut taken = 0;
+        for lane in span(mask) {
+            let (new, old, before) = (exact.t[lane], hits.t[lane], hits.triangle[lane]);
+            let comes_first = has_lane(found_before, lane) & (triangle < before);
+            let takes = (exact.verdict[lane] > 0.0) & is_nearer(new, old, comes_first) & has_lane(mask, lane);
+            taken |= u64::from(takes) << lane;
+            hits.t[lane] = if takes { new } else { old };
+            hits.triangle[lane] = if takes { triangle } else { before };
+            for corner in 0..3 {
+                let weight = &mut hits.barycentric.0[corner][lane];
+                *weight = if takes { exact.barycentric[corner][lane] } else { *weight };
+            }
+        }
+        self.found |= taken;
+    }
+}
+
+/// Sorts the active lanes by the axis along which their rays are sheared.
+fn by_shear_axis(rays: &RayPacket, active: u64) -> [u64; 3] {
+    let mut axes = [0; 3];
+    for lane in lanes_in(active) {
+        axes[ShearAxes::of(rays.direction.get(lane)).z] |= 1 << lane;
+    }
+    axes
+}
+
+/// Visits the leaves of a mesh's tree.
+struct BlockVisitor<'a, 'b, const ANY: bool> {
+    tree: &'a Bvh<TriangleBlock>,
+    /// See [`scaled_center`](crate::bvh::CullingSpace::scaled_center).
+    center: [f32; 3],
+    run: &'a mut Run<'b, ANY>,
+}
+
+impl<const ANY: bool> BlockVisitor<'_, '_, ANY> {
+    #[inline(always)]
+    fn corners(&self, block: &TriangleBlock, place: u32) -> [Vector3; 3] {
+        let corners = block.exact_corners(&self.tree.space, place);
+        corners.unwrap_or_else(|| self.run.query.mesh.corners(block.index(place)))
+    }
+
+    /// Culls all active rays against one triangle, and tests what is left over.
+    #[inline(always)]
+    fn visit_triangle<S: Simd>(
+        &mut self,
+        simd: S,
+        block: &TriangleBlock,
+        place: u32,
+        active: u64,
+        packet: &mut CullingPacket,
+    ) {
+        let mut candidates = 0;
+        let triangle = block.splat_triangle(simd, self.center, place);
+        for group in 0..GROUPS {
+            let here = active >> (WIDTH * group) & 0xff;
+            if here != 0 {
+                let limit = load(simd, &packet.limit[group]);
+                let bits = block.may_hit(simd, triangle, packet.load_group(simd, group), limit);
+                candidates |= (here & u64::from(bits)) << (WIDTH * group);
+            }
+        }
+        // Lanes between the candidates are tested too, to no purpose.
+        if is_dense(candidates, 4) {
+            self.run.test_packet(candidates, block.index(place), self.corners(block, place));
+            return packet.set_t_maxes(candidates, &self.run.query.hits.t);
+        }
+        for lane in lanes_in(candidates) {
+            if packet.limit(lane) > DONE {
+                self.run.test_single(lane, block.index(place), self.corners(block, place));
+                packet.set_t_max(lane, self.run.query.hits.t[lane]);
+            }
+        }
+    }
+}
+
+impl<S: Simd, const ANY: bool> LeafVisitor<S> for BlockVisitor<'_, '_, ANY> {
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: usize, active: u64, shaft: Option<&Shaft>, packet: &mut CullingPacket) {
+        let block = &self.tree.leaves[leaf];
+        let mut places = block.all();
+        if let (Some(shaft), true) = (shaft, active.count_ones() > FEW) {
+            (places, _) = shaft.intersect(simd, &block.boxes(simd, self.center), packet.largest_limit(simd));
+            places &= block.all();
+            // Either all triangles for each ray, or all rays, in groups of eight, for each triangle: whichever is less.
+            let groups = active | active >> 1 | active >> 2 | active >> 3;
+            let groups = ((groups | groups >> 4) & 0x0101_0101_0101_0101).count_ones();
+            if places.count_ones() * groups < active.count_ones() {
+                while places != 0 {
+                    self.visit_triangle(simd, block, places.trailing_zeros(), active, packet);
+                    places &= places - 1;
+                }
+                return;
+            }
+        }
+        if places != 0 {
+            for lane in lanes_in(active) {
+                self.visit_single(simd, leaf, lane, packet);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn candidates(&self, simd: S, leaf: usize, lane: usize, packet: &CullingPacket) -> u32 {
+        let ray = packet.splat_ray(simd, lane);
+        self.tree.leaves[leaf].candidates(simd, self.center, ray, packet.limit(lane))
+    }
+
+    #[inline(always)]
+    fn test(&mut self, _: S, leaf: usize, item: u32, lane: usize, packet: &mut CullingPacket) {
+        let block = &self.tree.leaves[leaf];
+        self.run.test_single(lane, block.index(item), self.corners(block, item));
+        packet.set_t_max(lane, self.run.query.hits.t[lane]);
     }
 }
