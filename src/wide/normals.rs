@@ -1,151 +1,148 @@
-//! The normals where many rays have hit one object: the definition of [`Object::normal`], asked for the rays of a run
-//! at once.
+//! The normals where a packet has hit one object: [`Object::normal`] for many lanes at once.
 
-use super::SurfaceRun;
-use super::run::{RayRun, Vectors, around, numbers_in};
-use super::{Mesh, Object, Placement, Shape, Sphere};
-use crate::accel::simd::{Lanes, Level, Task};
+use super::hit_packet::HitPacket;
+use crate::objects::{Mesh, Object, Shape, Surface, Transform, match_surface};
+use crate::simd::Simd;
+use crate::simd::packet::{RayPacket, Vectors, has_lane, lanes_in, span};
 use vecmath::Vector3;
 
-/// So few rays are asked about one by one.
+/// So few lanes are computed one by one.
 const FEW: u32 = 3;
 
-impl Object {
-    /// [`normal`](Self::normal) where the rays of a mask have hit this object.
-    pub fn normals(
-        &self,
-        meshes: &[Mesh],
-        level: Level,
-        rays: &RayRun,
-        mask: u64,
-        hits: &SurfaceRun,
-        normals: &mut Vectors,
-    ) {
-        if mask.count_ones() <= FEW {
-            for number in numbers_in(mask) {
-                normals.set(number, self.normal(meshes, &rays.get(number), &hits.get(number)));
-            }
-            return;
-        }
-        let placement = self.placement.as_deref();
-        match &self.shape {
-            Shape::Plane(_) | Shape::Triangle(_) => {
-                let number = mask.trailing_zeros() as usize;
-                let normal = self.normal(meshes, &rays.get(number), &hits.get(number));
-                numbers_in(mask).for_each(|number| normals.set(number, normal));
-            }
-            Shape::Sphere(sphere) => level.run(SphereNormals { sphere, placement, rays, hits, mask, normals }),
-            Shape::Mesh(mesh) => {
-                let mut left_out = 0;
-                let mesh = &meshes[*mesh as usize];
-                let corners = [Vectors::ZERO; 3];
-                level.run(MeshNormals { mesh, placement, hits, mask, corners, normals, left_out: &mut left_out });
-                for number in numbers_in(left_out) {
-                    normals.set(number, self.normal(meshes, &rays.get(number), &hits.get(number)));
-                }
-            }
-        }
-    }
-}
-
-/// Copies the vectors of a mask.
-#[inline(always)]
-fn copy(from: &Vectors, mask: u64, to: &mut Vectors) {
-    for number in around(mask) {
-        let vector = if mask >> number & 1 == 1 { from.get(number) } else { to.get(number) };
-        to.set(number, vector);
-    }
-}
-
-/// Takes the normals of a mask to world space.
-#[inline(always)]
-fn to_world(normals: &mut Vectors, mask: u64, placement: Option<&Placement>) {
-    if let Some(placement) = placement {
-        for number in around(mask) {
-            normals.set(number, placement.across_world(normals.get(number)));
-        }
-        normals.normalize(mask);
-    }
-}
-
-struct SphereNormals<'a> {
-    sphere: &'a Sphere,
-    placement: Option<&'a Placement>,
-    rays: &'a RayRun,
-    hits: &'a SurfaceRun,
-    mask: u64,
-    normals: &'a mut Vectors,
-}
-
-impl Task for SphereNormals<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { sphere, placement, rays, hits, mask, normals } = self;
-        let mut found = Vectors::ZERO;
-        match placement {
-            None => {
-                for number in around(mask) {
-                    found.set(number, rays.get(number).at(hits.t[number]) - sphere.center);
-                }
-            }
-            Some(placement) => {
-                for number in around(mask) {
-                    let ray = placement.ray_to_object(&rays.get(number));
-                    found.set(number, ray.at(hits.t[number]) - sphere.center);
-                }
-            }
-        }
-        found.normalize(mask);
-        to_world(&mut found, mask, placement);
-        copy(&found, mask, normals);
-    }
-}
-
-struct MeshNormals<'a> {
-    mesh: &'a Mesh,
-    placement: Option<&'a Placement>,
-    hits: &'a SurfaceRun,
-    mask: u64,
+/// What computing normals needs room for.
+pub struct NormalScratch {
+    found: Vectors,
     /// Normals of the corners of the triangles that are hit.
     corners: [Vectors; 3],
-    normals: &'a mut Vectors,
-    /// Rays whose normals are not simply those of the corners, weighted.
-    left_out: &'a mut u64,
 }
 
-impl Task for MeshNormals<'_> {
-    type Output = ();
+impl NormalScratch {
+    pub const EMPTY: Self = Self { found: Vectors::ZERO, corners: [Vectors::ZERO; 3] };
+}
 
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { mesh, placement, hits, mask, mut corners, normals, left_out } = self;
-        for number in numbers_in(mask) {
-            let mut is_usual = true;
-            for (corner, normal) in mesh.corner_normals(hits.triangle[number]).into_iter().enumerate() {
-                corners[corner].set(number, normal);
-                is_usual &= normal != Vector3::ZERO;
-            }
-            *left_out |= u64::from(!is_usual) << number;
-        }
-        let mut found = Vectors::ZERO;
-        let mut all_usual = true;
-        for number in around(mask) {
-            let weights = hits.barycentric.get(number);
-            let sum = Vector3::ZERO + corners[0].get(number) * weights.x;
-            let sum = sum + corners[1].get(number) * weights.y + corners[2].get(number) * weights.z;
-            let largest = sum.max_abs();
-            let is_usual = (largest > 0.0) & sum.is_finite();
-            all_usual &= is_usual | (mask >> number & 1 == 0);
-            let scaled = sum / if is_usual { largest } else { 1.0 };
-            let length = scaled.length();
-            found.set(number, scaled / if is_usual { length } else { 1.0 });
-        }
-        to_world(&mut found, mask, placement);
-        copy(&found, mask, normals);
-        if !all_usual {
-            *left_out = mask;
-        }
+/// Computes the normals of the active lanes, which have hit this object.
+#[expect(clippy::too_many_arguments)]
+pub fn normals<S: Simd>(
+    simd: S,
+    object: &Object,
+    meshes: &[Mesh],
+    rays: &RayPacket,
+    active: u64,
+    hits: &HitPacket,
+    scratch: &mut NormalScratch,
+    normals: &mut Vectors,
+) {
+    let single = |lane: usize| object.normal(meshes, &rays.get(lane), &hits.surface(lane));
+    if active.count_ones() <= FEW {
+        return lanes_in(active).for_each(|lane| normals.set(lane, single(lane)));
     }
+    let transform = object.transform.as_deref();
+    match_surface!(&object.shape,
+        surface => normals_of_surface(simd, surface, transform, rays, active, hits, &mut scratch.found),
+        Shape::Triangle(_) => {
+            let normal = single(active.trailing_zeros() as usize);
+            return lanes_in(active).for_each(|lane| normals.set(lane, normal));
+        }
+        Shape::Mesh(mesh) => {
+            let unusual = normals_of_mesh(simd, &meshes[*mesh as usize], transform, active, hits, scratch);
+            lanes_in(unusual).for_each(|lane| scratch.found.set(lane, single(lane)));
+        }
+    );
+    copy(simd, &scratch.found, active, normals);
+}
+
+/// Copies the vectors of the active lanes.
+fn copy<S: Simd>(simd: S, from: &Vectors, active: u64, to: &mut Vectors) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            for lane in span(active) {
+                let vector = if has_lane(active, lane) { from.get(lane) } else { to.get(lane) };
+                to.set(lane, vector);
+            }
+        },
+    );
+}
+
+/// Takes the normals of the active lanes to world space.
+#[inline(always)]
+fn to_world(normals: &mut Vectors, active: u64, transform: Option<&Transform>) {
+    if let Some(transform) = transform {
+        for lane in span(active) {
+            normals.set(lane, transform.normal_direction_to_world(normals.get(lane)));
+        }
+        normals.normalize(active);
+    }
+}
+
+fn normals_of_surface<S: Simd, F: Surface>(
+    simd: S,
+    surface: &F,
+    transform: Option<&Transform>,
+    rays: &RayPacket,
+    active: u64,
+    hits: &HitPacket,
+    found: &mut Vectors,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            match transform {
+                None => {
+                    for lane in span(active) {
+                        found.set(lane, surface.gradient(rays.get(lane).at(hits.t[lane])));
+                    }
+                }
+                Some(transform) => {
+                    for lane in span(active) {
+                        let ray = transform.ray_to_object(&rays.get(lane));
+                        found.set(lane, surface.gradient(ray.at(hits.t[lane])));
+                    }
+                }
+            }
+            if F::NORMALIZES {
+                found.normalize(active);
+            }
+            to_world(found, active, transform);
+        },
+    );
+}
+
+/// Interpolates the corners' normals. Returns the lanes for which [`Mesh::normal`] must do it.
+fn normals_of_mesh<S: Simd>(
+    simd: S,
+    mesh: &Mesh,
+    transform: Option<&Transform>,
+    active: u64,
+    hits: &HitPacket,
+    NormalScratch { found, corners }: &mut NormalScratch,
+) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        move || {
+            let mut unusual = 0;
+            for lane in lanes_in(active) {
+                let mut is_usual = true;
+                for (corner, normal) in mesh.corner_normals(hits.triangle[lane]).into_iter().enumerate() {
+                    corners[corner].set(lane, normal);
+                    is_usual &= normal != Vector3::ZERO;
+                }
+                unusual |= u64::from(!is_usual) << lane;
+            }
+            let mut all_usual = true;
+            for lane in span(active) {
+                let weights = hits.barycentric.get(lane);
+                let sum = Vector3::ZERO + corners[0].get(lane) * weights.x;
+                let sum = sum + corners[1].get(lane) * weights.y + corners[2].get(lane) * weights.z;
+                let largest = sum.max_abs();
+                let is_usual = (largest > 0.0) & sum.is_finite();
+                all_usual &= is_usual | !has_lane(active, lane);
+                let scaled = sum / if is_usual { largest } else { 1.0 };
+                let length = scaled.length();
+                found.set(lane, scaled / if is_usual { length } else { 1.0 });
+            }
+            to_world(found, active, transform);
+            if all_usual { unusual } else { active }
+        },
+    )
 }

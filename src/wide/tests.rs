@@ -1,11 +1,15 @@
-//! What is asked for a run of rays at once has the bits that each ray has by itself, at every processor level, whichever
-//! of the rays are asked about.
+//! What is computed for a packet has the bits that each lane has by itself, with every instruction set, whichever lanes
+//! are active.
 
-use a2::accel::simd::{Lanes, Level, Task};
-use a2::camera::{Camera, CameraRays, PixelGrid, Places};
-use a2::cube_map::CubeMap;
-use a2::objects::run::{RUN, RayRun, Rays, Vectors, numbers_in};
-use a2::objects::{HitRun, Mesh, Object, ObjectHit, Placement, Plane, Ray, Shape, Sphere, Triangle};
+use super::camera::camera_rays;
+use super::cube_map::{self, CubeMapScratch};
+use super::hit_packet::HitPacket;
+use super::normals::{NormalScratch, normals};
+use crate::camera::{Camera, PixelGrid, Place};
+use crate::cube_map::CubeMap;
+use crate::objects::{Mesh, Object, Plane, Ray, Shape, Sphere, SurfaceHit, Transform, Triangle};
+use crate::simd::packet::{PACKET, RayPacket, Vectors, lanes_in};
+use crate::simd::{InstructionSet, Simd as _, with_simd};
 use std::path::Path;
 use vecmath::{Matrix4, Real, Vector3};
 
@@ -46,8 +50,8 @@ impl Numbers {
     }
 }
 
-fn levels() -> impl Iterator<Item = Level> {
-    Level::NAMES.into_iter().filter_map(Level::named)
+fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
+    InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name))
 }
 
 /// NaN is NaN, whatever its sign.
@@ -55,51 +59,39 @@ fn bits(vector: Vector3) -> [u64; 3] {
     vector.to_array().map(|c| if c.is_nan() { u64::MAX } else { u64::from(c.to_bits()) })
 }
 
-struct Normalize<'a>(&'a mut Vectors, u64);
-
-impl Task for Normalize<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        self.0.normalize(self.1);
-    }
-}
-
 #[test]
 fn unit_vectors() {
     let mut numbers = Numbers(1);
-    for level in levels() {
+    for set in instruction_sets() {
         for mask in MASKS.into_iter().cycle().take(200) {
             let mut vectors = Vectors::ZERO;
-            (0..RUN).for_each(|number| vectors.set(number, numbers.odd_vector()));
+            (0..PACKET).for_each(|lane| vectors.set(lane, numbers.odd_vector()));
             let before = vectors;
-            level.run(Normalize(&mut vectors, mask));
-            for number in numbers_in(mask) {
-                let vector = before.get(number);
-                assert_eq!(bits(vectors.get(number)), bits(vector.normalized()), "{level}: {vector:?}");
+            with_simd!(set, simd => simd.vectorize(#[inline(always)] || vectors.normalize(mask)));
+            for lane in lanes_in(mask) {
+                let vector = before.get(lane);
+                assert_eq!(bits(vectors.get(lane)), bits(vector.normalized()), "{set}: {vector:?}");
             }
         }
     }
 }
 
 #[test]
-fn camera_rays() {
+fn camera_rays_of_places() {
     let up = Vector3::new(0.1, 1.0, 0.0);
     let camera = Camera::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(-1.0, -2.0, -3.5), up, 0.7).unwrap();
     let mut numbers = Numbers(2);
     for (width, height, count) in [(100, 80, 200), (1, 7, 3), (5000, 1, 65)] {
         let grid = PixelGrid { width, height };
-        let wanted: Vec<(Real, Real)> =
-            (0..count).map(|_| (numbers.next() * 50.0, numbers.next() * 40.0)).collect();
-        for level in levels() {
-            let (mut places, mut rays) = (Places::default(), Rays::default());
-            wanted.iter().for_each(|&place| places.push(place));
-            level.run(CameraRays { camera: &camera, grid, places: &places, rays: &mut rays });
-            assert_eq!(rays.len(), count);
-            let found = rays.runs().flat_map(|(run, mask)| numbers_in(mask).map(|number| run.get(number)));
-            for (found, &place) in found.zip(&wanted) {
-                assert_eq!(found, camera.ray(grid.ndc(place)), "{level}: {place:?}");
+        let places: Vec<Place> = (0..count).map(|_| (numbers.next() * 50.0, numbers.next() * 40.0)).collect();
+        for set in instruction_sets() {
+            let mut rays = RayPacket::NONE;
+            for places in places.chunks(PACKET) {
+                let active = with_simd!(set, simd => camera_rays(simd, &camera, grid, places, &mut rays));
+                assert_eq!(active.count_ones() as usize, places.len());
+                for (lane, &place) in places.iter().enumerate() {
+                    assert_eq!(rays.get(lane), camera.ray(grid.ndc(place)), "{set}: {place:?}");
+                }
             }
         }
     }
@@ -109,18 +101,20 @@ fn camera_rays() {
 fn colors_of_the_cube_map() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tex/courtyard");
     let cube_map = CubeMap::open(&folder).unwrap();
-    let mut numbers = Numbers(3);
-    for level in levels() {
+    let (mut numbers, mut scratch) = (Numbers(3), CubeMapScratch::EMPTY);
+    for set in instruction_sets() {
         for mask in MASKS {
             let (mut directions, mut colors) = (Vectors::ZERO, Vectors::ZERO);
-            (0..RUN).for_each(|number| directions.set(number, numbers.vector()));
+            (0..PACKET).for_each(|lane| directions.set(lane, numbers.vector()));
             // Corners and edges of the cube.
             directions.set(0, Vector3::splat(-1.0));
             directions.set(37, Vector3::new(0.0, 2.0, -2.0));
-            cube_map.colors(level, &directions, mask, &mut colors);
-            for number in numbers_in(mask) {
-                let direction = directions.get(number);
-                assert_eq!(colors.get(number), cube_map.color(direction), "{level}: {direction:?}");
+            with_simd!(set, simd => {
+                cube_map::colors(simd, &cube_map, &directions, mask, &mut scratch, &mut colors);
+            });
+            for lane in lanes_in(mask) {
+                let direction = directions.get(lane);
+                assert_eq!(colors.get(lane), cube_map.color(direction), "{set}: {direction:?}");
             }
         }
     }
@@ -133,9 +127,9 @@ fn folded() -> Mesh {
 }
 
 #[test]
-fn normals() {
+fn normals_of_every_shape() {
     let meshes = [folded()];
-    let placement =
+    let matrix =
         Matrix4::rotation(Vector3::new(0.6, 0.0, 0.8), 0.7) * Matrix4::scaling(Vector3::new(2.0, -0.5, 1.0));
     let corners = [Vector3::ZERO, Vector3::new(1.0, 0.0, 0.2), Vector3::new(0.0, 1.0, 0.0)];
     let shapes = [
@@ -144,22 +138,27 @@ fn normals() {
         Shape::Triangle(Triangle::new(corners)),
         Shape::Mesh(0),
     ];
-    let mut numbers = Numbers(4);
+    let (mut numbers, mut scratch) = (Numbers(4), NormalScratch::EMPTY);
     for (shape, is_placed) in shapes.iter().flat_map(|shape| [(shape, false), (shape, true)]) {
-        let placement = is_placed.then(|| Box::new(Placement::new(&placement).unwrap()));
-        let object = Object::new(shape.clone(), placement, 0, None);
-        for (level, mask) in levels().flat_map(|level| MASKS.map(|mask| (level, mask))) {
-            let (mut rays, mut hits, mut found) = (RayRun::NONE, HitRun::NONE.at, Vectors::ZERO);
-            for number in 0..RUN {
-                rays.set(number, Ray { origin: numbers.vector(), direction: numbers.vector() });
+        let transform = is_placed.then(|| Box::new(Transform::new(&matrix).unwrap()));
+        let object = Object::new(shape.clone(), transform, 0, None);
+        for (set, mask) in instruction_sets().flat_map(|set| MASKS.map(|mask| (set, mask))) {
+            let (mut rays, mut hits, mut found) = (RayPacket::NONE, HitPacket::NONE, Vectors::ZERO);
+            for lane in 0..PACKET {
+                rays.set(lane, Ray { origin: numbers.vector(), direction: numbers.vector() });
                 let [a, b] = [numbers.next().abs() / 2.0, numbers.next().abs() / 2.0];
-                let triangle = number as u32 % 3;
-                hits.set(number, ObjectHit { t: numbers.odd().abs(), triangle, barycentric: [a, b, 1.0 - a - b] });
+                let triangle = lane as u32 % 3;
+                hits.set_surface(
+                    lane,
+                    SurfaceHit { t: numbers.odd().abs(), triangle, barycentric: [a, b, 1.0 - a - b] },
+                );
             }
-            object.normals(&meshes, level, &rays, mask, &hits, &mut found);
-            for number in numbers_in(mask) {
-                let expected = object.normal(&meshes, &rays.get(number), &hits.get(number));
-                assert_eq!(bits(found.get(number)), bits(expected), "{level}: {shape:?} {:?}", hits.get(number));
+            with_simd!(set, simd => {
+                normals(simd, &object, &meshes, &rays, mask, &hits, &mut scratch, &mut found);
+            });
+            for lane in lanes_in(mask) {
+                let expected = object.normal(&meshes, &rays.get(lane), &hits.surface(lane));
+                assert_eq!(bits(found.get(lane)), bits(expected), "{set}: {shape:?} {:?}", hits.surface(lane));
             }
         }
     }

@@ -1,122 +1,123 @@
-//! What rays see: the heart of the program.
+//! [`PacketTracer`]: does for 64 rays at a time what [`trace_ray`](crate::trace::trace_ray) does for one.
 //!
-//! Rays go in runs of 64. Everything that is computed for each of them is computed for the run, several rays an
-//! instruction; the formulas are those of [`light`](crate::light) and [`material`](crate::material).
+//! The steps have the same names and come in the same order. Mirror rays of several packets are gathered into packets of
+//! their own, one generation of bounces after the other.
 
-use super::robust::Departure;
-use super::surfaces::{AddLight, Arrive, Gather, Illuminate, Lit, ShadowRays, Surfaces};
+use super::camera::camera_rays;
+use super::cube_map::{self, CubeMapScratch};
+use super::hit_packet::HitPacket;
+use super::intersect::Scratch;
+use super::mirror_queue::{MirrorQueue, PathPacket};
+use super::normals::{NormalScratch, normals};
+use super::shade::{LightPacket, SurfacePacket};
+use crate::camera::{PixelGrid, Place};
 use crate::light::Light;
-use crate::objects::HitRun;
-use crate::objects::run::{Lanewise, Numbers, RUN, RayRun, Rays, Runs, Vectors, numbers_in};
 use crate::options::Epsilon;
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
+use crate::ray_offset::BesideSurface;
 use crate::scene::Scene;
-use vecmath::{Real, Vector3};
+use crate::simd::Simd;
+use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, lanes_in};
+use crate::trace::{Seen, can_change};
+use vecmath::Real;
 
-/// So many runs of camera rays are followed together: their mirror rays fill runs of their own.
-pub const RUNS_AT_ONCE: usize = 4;
+/// So many packets of camera rays are followed together: their mirror rays fill packets of their own.
+pub const PACKETS_AT_ONCE: usize = 4;
 
-/// What a camera ray saw.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Seen {
-    /// Zero unless a colour picture is asked for.
-    pub color: Vector3,
-    /// Distance of the nearest hit.
-    pub depth: Option<Real>,
-    /// Normal at the nearest hit, zero without one or unless a picture needs it.
-    pub normal: Vector3,
-}
-
-/// Follows rays through a scene, and counts them.
-pub struct Tracer<'a> {
+/// Follows packets of rays through a scene, and counts the rays.
+pub struct PacketTracer<'a, S> {
+    simd: S,
     scene: &'a Scene,
     plan: &'a Plan,
-    /// Weights never grow on their way from mirror to mirror.
-    weights_never_grow: bool,
     /// How far along themselves shadow and mirror rays start, if that is how they do.
     epsilon: Real,
     pub counts: RayCounts,
+    /// A packet of camera rays; none while it is in use.
+    camera_rays: Option<Box<(RayPacket, PathPacket)>>,
     room: Box<Room>,
-    /// Those to be followed next.
-    mirror_rays: MirrorRays,
-    /// Room for others.
-    spare: MirrorRays,
+    /// Mirror rays that are followed next.
+    mirror_rays: MirrorQueue,
+    /// Room for the generation that is being followed.
+    spare: MirrorQueue,
 }
 
-/// Room for what is known of a run of rays, kept to spare setting it up for each.
+/// What is known of a packet. It is kept for the next one, because clearing it would cost as much as tracing.
 struct Room {
-    hits: HitRun,
-    surfaces: Surfaces,
-    /// One for each ray that has hit something, in order, where rays start just off a surface; none where they start at
-    /// a fixed distance.
-    departures: Vec<Departure>,
-    lit: Lit,
-    shadow_rays: RayRun,
+    hits: HitPacket,
+    surfaces: SurfacePacket,
+    /// With [`Epsilon::Auto`], where rays leave each surface, in the order of the lanes that are hit.
+    beside: Vec<BesideSurface>,
+    light: LightPacket,
+    shadow_rays: RayPacket,
     /// How far each shadow ray goes.
-    distances: Numbers,
+    shadow_t_max: Scalars,
     background: Vectors,
-    paths: Option<Box<Paths>>,
+    scratch: Scratch,
+    normals: NormalScratch,
+    cube_map: CubeMapScratch,
 }
 
-/// What has been gathered on the way from the camera.
-#[derive(Clone)]
-struct Paths {
-    camera_ray: [u32; RUN],
-    color: Vectors,
-    /// What further light counts.
-    weight: Vectors,
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            hits: HitPacket::NONE,
+            surfaces: SurfacePacket::NONE,
+            beside: Vec::new(),
+            light: LightPacket::NONE,
+            shadow_rays: RayPacket::NONE,
+            shadow_t_max: [0.0; PACKET],
+            background: Vectors::ZERO,
+            scratch: Scratch::default(),
+            normals: NormalScratch::EMPTY,
+            cube_map: CubeMapScratch::EMPTY,
+        }
+    }
 }
 
-/// Mirror rays that have passed as many mirrors as each other.
-type MirrorRays = Runs<(RayRun, Paths)>;
-
-impl<'a> Tracer<'a> {
-    pub fn new(scene: &'a Scene, plan: &'a Plan) -> Self {
-        let weights_never_grow = scene.materials.iter().all(|material| material.specular.max_abs() <= 1.0);
+impl<'a, S: Simd> PacketTracer<'a, S> {
+    pub fn new(simd: S, scene: &'a Scene, plan: &'a Plan) -> Self {
         let epsilon = match plan.epsilon {
             Epsilon::Along(epsilon) => epsilon as Real,
             Epsilon::Auto => 0.0,
         };
-        let counts = RayCounts::default();
         Self {
+            simd,
             scene,
             plan,
-            weights_never_grow,
             epsilon,
-            counts,
+            counts: RayCounts::default(),
+            camera_rays: None,
             room: Box::default(),
-            mirror_rays: Runs::default(),
-            spare: Runs::default(),
+            mirror_rays: MirrorQueue::default(),
+            spare: MirrorQueue::default(),
         }
     }
 
-    /// What rays from the camera see, one entry of `seen` for each. Rays that lie side by side are best asked about
-    /// together.
-    ///
-    /// The recursion of the course, written as a loop with running weights: as deep as `-bounces` asks for without
-    /// growing the stack, and all rays take each step together.
-    pub fn see(&mut self, rays: &Rays, seen: &mut Vec<Seen>) {
-        self.counts.camera += rays.len() as u64;
+    /// Replaces `seen` by what the camera sees through each place. Places that lie side by side are traced fastest.
+    pub fn trace(&mut self, grid: PixelGrid, places: &[Place], seen: &mut Vec<Seen>) {
+        self.counts.camera += places.len() as u64;
         seen.clear();
-        for (index, (rays, mask)) in rays.runs().enumerate() {
-            let hit = self.find_hits(rays, mask);
-            let camera_ray = seen.len();
-            self.record(mask, hit, seen);
+        let mut packet = self.camera_rays.take().unwrap_or_else(|| Box::new((RayPacket::NONE, PathPacket::NONE)));
+        let (rays, paths) = &mut *packet;
+        for (index, places) in places.chunks(PACKET).enumerate() {
+            let active = camera_rays(self.simd, &self.scene.camera, grid, places, rays);
+            let hit = self.find_hits(rays, active);
+            let first = seen.len();
+            self.record(active, hit, seen);
             if self.plan.color {
-                let mut paths = self.room.paths.take().unwrap_or_else(|| Box::new(Paths::NONE));
-                paths.start(camera_ray);
-                self.follow(rays, mask, hit, &mut paths, self.plan.bounces, seen);
-                self.room.paths = Some(paths);
-                if index % RUNS_AT_ONCE == RUNS_AT_ONCE - 1 {
+                paths.start(first as u32);
+                self.follow(rays, active, hit, paths, self.plan.bounces, seen);
+                if index % PACKETS_AT_ONCE == PACKETS_AT_ONCE - 1 {
                     self.follow_mirror_rays(seen);
                 }
             }
         }
         self.follow_mirror_rays(seen);
+        self.camera_rays = Some(packet);
     }
 
-    /// Follows all paths that have passed one mirror to their ends.
+    /// Follows the paths of the queue to their ends, one generation of mirror rays after the other.
     fn follow_mirror_rays(&mut self, seen: &mut [Seen]) {
         let mut bounces = self.plan.bounces;
         let mut current = std::mem::take(&mut self.spare);
@@ -125,29 +126,37 @@ impl<'a> Tracer<'a> {
             self.counts.mirror += self.mirror_rays.len() as u64;
             std::mem::swap(&mut current, &mut self.mirror_rays);
             self.mirror_rays.clear();
-            for ((rays, paths), mask) in current.runs_mut() {
-                let hit = self.find_hits(rays, mask);
-                self.follow(rays, mask, hit, paths, bounces, seen);
+            for (rays, paths, active) in current.packets() {
+                let hit = self.find_hits(rays, active);
+                self.follow(rays, active, hit, paths, bounces, seen);
             }
         }
         self.spare = current;
     }
 
-    /// Finds what the rays of a mask hit, and the normals there. The output are those that hit anything.
-    fn find_hits(&mut self, rays: &RayRun, mask: u64) -> u64 {
-        let scene = self.scene;
-        let Room { hits, surfaces, .. } = &mut *self.room;
-        scene.accelerator.closest_hits(&scene.objects, &scene.meshes, rays, mask, hits);
-        let level = self.plan.simd;
-        let hit = mask & !hits.of_object(level, mask, HitRun::NOTHING);
+    /// Finds what the active rays hit, and normals and materials there. Returns the lanes that hit anything.
+    fn find_hits(&mut self, rays: &mut RayPacket, active: u64) -> u64 {
+        let (simd, scene) = (self.simd, self.scene);
+        let Room { hits, surfaces, scratch, normals: normal_scratch, .. } = &mut *self.room;
+        scene.geometry.closest_hits(simd, rays, active, scratch, hits);
+        let hit = active & !hits.lanes_of(simd, active, HitPacket::NOTHING);
         let mut rest = if self.plan.color || self.plan.normals { hit } else { 0 };
         while rest != 0 {
-            let index = hits.object[rest.trailing_zeros() as usize % RUN];
-            let of_object = hits.of_object(level, rest, index);
-            let object = &scene.objects[index as usize];
-            object.normals(&scene.meshes, level, rays, of_object, &hits.at, &mut surfaces.normal);
+            let index = hits.object[rest.trailing_zeros() as usize % PACKET];
+            let of_object = hits.lanes_of(simd, rest, index);
+            let object = &scene.geometry.objects[index as usize];
+            normals(
+                simd,
+                object,
+                &scene.geometry.meshes,
+                rays,
+                of_object,
+                hits,
+                normal_scratch,
+                &mut surfaces.normal,
+            );
             if self.plan.color {
-                // The first object's material may stand for all others until they are asked.
+                // Setting all lanes is cheapest; the lanes of other objects get their material in a later turn.
                 let mask = if rest == hit { u64::MAX } else { of_object };
                 surfaces.set_material(mask, &scene.materials[object.material as usize]);
             }
@@ -156,186 +165,126 @@ impl<'a> Tracer<'a> {
         hit
     }
 
-    /// Notes what pictures of depths and normals show of the rays of a mask.
-    fn record(&self, mask: u64, hit: u64, seen: &mut Vec<Seen>) {
+    /// Appends what pictures of depths and normals show of the active camera rays.
+    fn record(&self, active: u64, hit: u64, seen: &mut Vec<Seen>) {
         let Room { hits, surfaces, .. } = &*self.room;
-        for number in numbers_in(mask) {
-            let mut what = Seen::default();
-            if hit >> number & 1 == 1 {
-                what.depth = Some(hits.at.t[number]);
+        for lane in lanes_in(active) {
+            let mut first = Seen::default();
+            if has_lane(hit, lane) {
+                first.depth = Some(hits.t[lane]);
                 if self.plan.normals {
-                    what.normal = surfaces.normal.get(number);
+                    first.normal = surfaces.normal.get(lane);
                 }
             }
-            seen.push(what);
+            seen.push(first);
         }
     }
 
-    /// Follows paths that have gone on along the rays of a mask, of which some have `hit` something: to the background,
-    /// where they end, or to a surface, where they end unless it is a mirror and may still matter.
-    fn follow(&mut self, rays: &RayRun, mask: u64, hit: u64, paths: &mut Paths, bounces: u32, seen: &mut [Seen]) {
-        self.leave(rays, mask & !hit, paths, seen);
+    /// Follows paths along the active rays, of which some have `hit` something: to the background, where they end, or to
+    /// a surface, where they end unless it is a mirror.
+    fn follow(
+        &mut self,
+        rays: &RayPacket,
+        active: u64,
+        hit: u64,
+        paths: &mut PathPacket,
+        bounces: u32,
+        seen: &mut [Seen],
+    ) {
+        self.add_background(rays, active & !hit, paths, seen);
         if hit == 0 {
             return;
         }
         self.arrive(rays, hit);
-        self.shade(hit);
-        let Room { surfaces, departures, .. } = &*self.room;
-        let Paths { color, weight, .. } = paths;
-        self.plan.simd.run(Gather { ambient: self.scene.ambient_light, surfaces, mask: hit, weight, color });
-        let mut departures = departures.iter();
+        self.add_lights(hit);
+        let Room { surfaces, beside, .. } = &*self.room;
+        let PathPacket { color, throughput, camera_ray } = paths;
+        surfaces.add_to_paths(self.simd, self.scene.ambient_light, hit, throughput, color);
+        let mut beside = beside.iter();
         let mirrors = if bounces > 0 { surfaces.mirrors } else { 0 };
-        for number in numbers_in(hit) {
-            let departure = departures.next();
-            let (color, weight) = (paths.color.get(number), paths.weight.get(number));
-            let is_mirror = mirrors >> number & 1 == 1;
-            if !is_mirror || self.no_longer_matters(color, weight, bounces - 1) {
-                seen[paths.camera_ray[number] as usize].color = color;
+        for lane in lanes_in(hit) {
+            let beside = beside.next();
+            let (color, throughput) = (color.get(lane), throughput.get(lane));
+            let goes_on =
+                has_lane(mirrors, lane) && can_change(self.scene, self.plan, color, throughput, bounces - 1);
+            if !goes_on {
+                seen[camera_ray[lane] as usize].color = color;
                 continue;
             }
-            let ray = match departure {
-                Some(departure) => departure.mirror_ray(surfaces.reflected.get(number), self.plan.robust),
-                None => surfaces.mirror_ray(number, self.epsilon),
+            let ray = match beside {
+                Some(beside) => beside.mirror_ray(surfaces.reflected.get(lane), self.plan.robust),
+                None => surfaces.mirror_ray(lane, self.epsilon),
             };
-            let ((next_rays, next_paths), place) = self.mirror_rays.add();
-            next_rays.set(place, ray);
-            next_paths.camera_ray[place] = paths.camera_ray[number];
-            next_paths.color.set(place, color);
-            next_paths.weight.set(place, weight);
+            self.mirror_rays.push(ray, camera_ray[lane], color, throughput);
         }
     }
 
-    /// Ends the paths of rays that leave the scene.
-    fn leave(&mut self, rays: &RayRun, mask: u64, paths: &Paths, seen: &mut [Seen]) {
-        let background = &self.scene.background;
-        if mask == 0 {
+    /// Ends the paths of the active rays, which see the background.
+    fn add_background(&mut self, rays: &RayPacket, active: u64, paths: &PathPacket, seen: &mut [Seen]) {
+        if active == 0 {
             return;
         }
-        let colors = &mut self.room.background;
+        let background = &self.scene.background;
+        let Room { background: colors, cube_map: scratch, .. } = &mut *self.room;
         if let Some(cube_map) = &background.cube_map {
-            cube_map.colors(self.plan.simd, &rays.direction, mask, colors);
+            cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch, colors);
         }
-        for number in numbers_in(mask) {
-            let light = if background.cube_map.is_some() { colors.get(number) } else { background.color };
-            let color = paths.color.get(number) + paths.weight.get(number).scaled_by(light);
-            seen[paths.camera_ray[number] as usize].color = color;
+        for lane in lanes_in(active) {
+            let light = if background.cube_map.is_some() { colors.get(lane) } else { background.color };
+            let color = paths.color.get(lane) + paths.throughput.get(lane).scaled_by(light);
+            seen[paths.camera_ray[lane] as usize].color = color;
         }
     }
 
-    /// Finds out where on surfaces rays have arrived.
-    fn arrive(&mut self, rays: &RayRun, hit: u64) {
-        let Room { hits, surfaces, departures, .. } = &mut *self.room;
-        departures.clear();
-        if self.plan.epsilon != Epsilon::Auto {
-            return self.plan.simd.run(Arrive { rays, mask: hit, t: Some(&hits.at.t), surfaces });
-        }
-        for number in numbers_in(hit) {
-            let (ray, object) = (rays.get(number), &self.scene.objects[hits.object[number] as usize]);
-            let surface = object.surface_point(&self.scene.meshes, &ray, &hits.at.get(number));
-            surfaces.point.set(number, surface.point);
-            departures.push(Departure::new(&ray, surface));
-        }
-        self.plan.simd.run(Arrive { rays, mask: hit, t: None, surfaces });
-    }
-
-    /// Whether everything that can still be added to `color` leaves every bit of it as it is.
-    fn no_longer_matters(&self, color: Vector3, weight: Vector3, bounces: u32) -> bool {
-        if weight == Vector3::ZERO {
-            return true;
-        }
-        let Some(bound) = self.plan.radiance_bound else {
-            return false;
-        };
-        let rest = Real::from(bounces as f32 + 1.0) * bound;
-        self.weights_never_grow && (0..3).all(|c| color[c] + weight[c].abs() * rest == color[c])
-    }
-
-    /// Adds up the light that the surfaces of a mask send back along their rays, mirrors aside.
-    fn shade(&mut self, mask: u64) {
-        for light in &self.scene.lights {
-            let Room { surfaces, lit, .. } = &mut *self.room;
-            let mut added = self.plan.simd.run(Illuminate { light, surfaces, mask, lit });
-            if self.plan.shadows {
-                // Blocked or not, a light that adds nothing adds nothing.
-                self.counts.shadow_left_out += u64::from((mask & !added).count_ones());
-                self.counts.shadow += u64::from(added.count_ones());
-                added &= !self.blocked(light, mask, added);
+    /// Finds the points that the rays of a mask have hit, and the mirrored directions.
+    fn arrive(&mut self, rays: &RayPacket, hit: u64) {
+        let Room { hits, surfaces, beside, .. } = &mut *self.room;
+        beside.clear();
+        if self.plan.epsilon == Epsilon::Auto {
+            for lane in lanes_in(hit) {
+                let (ray, object) = (rays.get(lane), &self.scene.geometry.objects[hits.object[lane] as usize]);
+                let surface = object.surface_point(&self.scene.geometry.meshes, &ray, &hits.surface(lane));
+                surfaces.point.set(lane, surface.point);
+                beside.push(BesideSurface::new(&ray, surface));
             }
-            let Room { surfaces, lit, .. } = &mut *self.room;
-            self.plan.simd.run(AddLight { lit, mask: added, surfaces });
+        } else {
+            surfaces.set_points(self.simd, rays, hit, &hits.t);
+        }
+        surfaces.mirror_rays(self.simd, rays, hit);
+    }
+
+    /// Adds to the points of a mask what they reflect of each light that is not blocked.
+    fn add_lights(&mut self, mask: u64) {
+        for light in &self.scene.lights {
+            let Room { surfaces, light: seen, .. } = &mut *self.room;
+            let mut lit = seen.illuminate(self.simd, light, surfaces, mask);
+            if self.plan.shadows {
+                // No shadow ray where the light contributes exactly zero.
+                self.counts.shadow_left_out += u64::from((mask & !lit).count_ones());
+                self.counts.shadow += u64::from(lit.count_ones());
+                lit &= !self.blocked(light, mask, lit);
+            }
+            let Room { surfaces, light: seen, .. } = &mut *self.room;
+            surfaces.add(self.simd, seen, lit);
         }
     }
 
-    /// Those surfaces of `asking`, a part of `mask`, that something keeps a light from.
-    fn blocked(&mut self, light: &Light, mask: u64, asking: u64) -> u64 {
-        if asking == 0 {
+    /// Returns the points of `lit`, a part of `mask`, whose shadow ray is blocked.
+    fn blocked(&mut self, light: &Light, mask: u64, lit: u64) -> u64 {
+        if lit == 0 {
             return 0;
         }
-        let Room { surfaces, departures, lit, shadow_rays, distances, .. } = &mut *self.room;
-        let (epsilon, robust) = (self.epsilon, self.plan.robust);
+        let Room { surfaces, beside, light: seen, shadow_rays, shadow_t_max, scratch, .. } = &mut *self.room;
+        let (epsilon, is_robust) = (self.epsilon, self.plan.robust);
         if self.plan.epsilon != Epsilon::Auto {
-            let (rays, t_max) = (&mut *shadow_rays, &mut *distances);
-            self.plan.simd.run(ShadowRays { surfaces, lit, mask: asking, epsilon, robust, rays, t_max });
+            seen.shadow_rays(self.simd, surfaces, lit, epsilon, is_robust, shadow_rays, shadow_t_max);
         }
-        for (number, departure) in numbers_in(mask).zip(departures.iter()) {
-            let (ray, distance) = match robust {
-                true => departure.shadow_ray(light),
-                false => departure.plain_shadow_ray(lit.to_light.get(number), lit.distance[number]),
-            };
-            shadow_rays.set(number, ray);
-            distances[number] = distance;
+        for (lane, beside) in lanes_in(mask).zip(beside.iter()) {
+            let (to_light, distance) = (seen.to_light.get(lane), seen.distance[lane]);
+            let (ray, t_max) = beside.shadow_ray(light, to_light, distance, is_robust);
+            shadow_rays.set(lane, ray);
+            shadow_t_max[lane] = t_max;
         }
-        let scene = self.scene;
-        scene.accelerator.any_hits(&scene.objects, &scene.meshes, shadow_rays, asking, distances)
-    }
-
-    /// The directions in which rays from the camera leave the scene, at once or after a few mirrors.
-    pub fn escaping(&mut self, rays: Rays) -> Vec<Vector3> {
-        const MIRRORS: u32 = 4;
-        let (mut rays, mut escaped) = (rays, Vec::new());
-        for _ in 0..=self.plan.bounces.min(MIRRORS) {
-            let mut onward = Rays::default();
-            for (run, mask) in rays.runs() {
-                let hit = self.find_hits(run, mask);
-                self.arrive(run, hit);
-                escaped.extend(numbers_in(mask & !hit).map(|number| run.direction.get(number)));
-                let surfaces = &self.room.surfaces;
-                numbers_in(hit & surfaces.mirrors)
-                    .for_each(|number| onward.push(surfaces.mirror_ray(number, self.epsilon)));
-            }
-            rays = onward;
-        }
-        escaped
-    }
-}
-
-impl Paths {
-    const NONE: Self = Self { camera_ray: [0; RUN], color: Vectors::ZERO, weight: Vectors([[1.0; RUN]; 3]) };
-
-    /// Begins paths, the first one for this camera ray, the others for those after it.
-    fn start(&mut self, camera_ray: usize) {
-        *self = Self::NONE;
-        for (number, place) in self.camera_ray.iter_mut().enumerate() {
-            *place = (camera_ray + number) as u32;
-        }
-    }
-}
-
-impl Lanewise for (RayRun, Paths) {
-    const NONE: Self = (RayRun::NONE, Paths::NONE);
-}
-
-impl Default for Room {
-    fn default() -> Self {
-        Self {
-            hits: HitRun::NONE,
-            surfaces: Surfaces::NONE,
-            departures: Vec::new(),
-            lit: Lit::NONE,
-            shadow_rays: RayRun::NONE,
-            distances: [0.0; RUN],
-            background: Vectors::ZERO,
-            paths: None,
-        }
+        self.scene.geometry.any_hits(self.simd, shadow_rays, lit, scratch, shadow_t_max)
     }
 }
