@@ -11,12 +11,12 @@
 //! 7. [`film`]: bytes and files.
 //!
 //! [`measure`] stands beside: how much pictures differ, and what the work cost.
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
 
-pub mod accel;
 pub mod args;
+pub mod bvh;
 pub mod camera;
 pub mod cube_map;
 pub mod error;
@@ -29,10 +29,14 @@ pub mod options;
 pub mod plan;
 mod progress;
 pub mod ray_counts;
+pub mod ray_offset;
 pub mod render;
 pub mod scene;
 pub mod scene_file;
+pub mod simd;
 pub mod timing;
+pub mod trace;
+pub mod wide;
 mod write;
 
 use args::Request;

@@ -2,7 +2,7 @@
 //!
 //! [`args`](crate::args) makes them of a command line. Nothing here decides or does anything.
 
-use crate::accel::simd::Level;
+use crate::simd::InstructionSet;
 use std::path::{Path, PathBuf};
 
 /// Largest width and height of a picture.
@@ -43,7 +43,7 @@ pub struct Options {
     pub seed: u64,
     pub quiet: bool,
     /// The instruction set that rays are computed with.
-    pub simd: Level,
+    pub simd: InstructionSet,
     /// Print the plan.
     pub explain: bool,
     pub measure: MeasureOptions,

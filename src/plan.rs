@@ -2,10 +2,10 @@
 //!
 //! A scene pays only for what it needs. What is left out here can change no byte of any picture that was asked for.
 
-use crate::accel::simd::Level;
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
 use crate::scene_file::{Description, Leaf, LeafShape, Node};
+use crate::simd::InstructionSet;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vecmath::Real;
@@ -23,6 +23,8 @@ pub struct Plan {
     pub epsilon: Epsilon,
     /// Depart from the starter where its shortcuts give wrong pictures.
     pub robust: bool,
+    /// Render one ray at a time, by the definition.
+    pub plain: bool,
     /// Mirror rays after one another; 0 where no material in use is a mirror.
     pub bounces: u32,
     /// Whether any ray's colour may come from the cube map.
@@ -30,7 +32,7 @@ pub struct Plan {
     /// No reflected light is brighter than this in any component, if such a bound is known.
     pub radiance_bound: Option<Real>,
     /// The instruction set that rays are computed with.
-    pub simd: Level,
+    pub simd: InstructionSet,
     /// Why something was left out, a sentence each.
     pub left_out: Vec<String>,
 }
@@ -56,6 +58,7 @@ impl Plan {
             shadows: false,
             epsilon: options.epsilon,
             robust: options.robust,
+            plain: options.plain,
             bounces: 0,
             cube_map: false,
             radiance_bound: None,

@@ -6,11 +6,11 @@
 mod measuring;
 mod typed;
 
-use crate::accel::simd::Level;
 use crate::error::Error;
 use crate::options::{
     CompareOptions, DepthPicture, Epsilon, MAX_BOUNCES, MAX_PIXELS, MAX_SIDE, MAX_THREADS, Options, has_extension,
 };
+use crate::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use typed::{
@@ -85,7 +85,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         threads: typed.number("threads", 0, &threads, |n| (1..=MAX_THREADS).contains(n))?,
         seed: typed.number("seed", 0, "a whole number from 0 to 2^64 - 1", |_| true)?.unwrap_or(0),
         quiet: typed.has("quiet"),
-        simd: simd_level(typed)?,
+        simd: instruction_set(typed)?,
         explain: typed.has("explain"),
         measure: measuring::options(typed)?,
     };
@@ -111,15 +111,16 @@ fn options(typed: &Typed) -> Result<Options, Error> {
     Ok(options)
 }
 
-fn simd_level(typed: &Typed) -> Result<Level, Error> {
+fn instruction_set(typed: &Typed) -> Result<InstructionSet, Error> {
     let Some(name) = typed.values("simd").first().copied() else {
-        return Ok(Level::detected());
+        return Ok(InstructionSet::detected());
     };
     let name = name.to_string_lossy();
-    if !Level::NAMES.contains(&&*name) {
-        return Err(usage_error("simd", format!("expected {}, found '{name}'", Level::NAMES.join(" or "))));
+    let names = InstructionSet::NAMES;
+    if !names.contains(&&*name) && name != "scalar" {
+        return Err(usage_error("simd", format!("expected {}, found '{name}'", names.join(" or "))));
     }
-    Level::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
+    InstructionSet::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
 }
 
 fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {

@@ -13,16 +13,16 @@ use super::rays::{RayMaker, SetSizes};
 use super::samples::SamplePattern;
 use super::tile_samples::TileSamples;
 use super::tiles::{Progress, Tile, decode_faces_ahead};
-use super::trace::{Seen, Tracer};
+use super::tracer::tracer;
 use super::uniform::RAYS_AT_ONCE;
 use super::{Frame, SampleCounts};
-use crate::camera::Places;
+use crate::camera::Place;
 use crate::film::{Film, Planes};
-use crate::objects::run::Rays;
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
+use crate::trace::Seen;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -48,7 +48,7 @@ pub fn render(
         scene,
         plan,
         options,
-        maker: RayMaker::new(scene, options, &SetSizes::One(1)),
+        maker: RayMaker::new(options, &SetSizes::One(1)),
         deadline,
         tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan))).collect(),
         progress,
@@ -67,7 +67,7 @@ struct Picture<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     options: &'a Options,
-    maker: RayMaker<'a>,
+    maker: RayMaker,
     /// Nothing is begun after this.
     deadline: Option<Instant>,
     tiles: Vec<Mutex<TileSamples>>,
@@ -132,8 +132,8 @@ impl Picture<'_> {
     fn advance_tile(&self, tile: &mut TileSamples, pass: u32, goal: &(impl Fn(usize) -> u32 + Sync)) {
         let width = self.options.width as usize;
         let wanted = tile.pixels_below(|(x, row)| goal(row as usize * width + x as usize));
-        let mut tracer = Tracer::new(self.scene, self.plan);
-        let (mut places, mut rays, mut seen) = (Places::default(), Rays::default(), Vec::new());
+        let mut tracer = tracer(self.scene, self.plan);
+        let (mut places, mut seen) = (Vec::new(), Vec::new());
         let mut waiting = wanted.as_slice();
         while !waiting.is_empty() && !self.is_late() {
             places.clear();
@@ -143,8 +143,7 @@ impl Picture<'_> {
                 self.add_places(wanted.pixel, pass, wanted.samples.clone(), &mut places);
                 taken += 1;
             }
-            self.maker.make_rays(&places, &mut rays);
-            tracer.see(&rays, &mut seen);
+            tracer.trace(self.maker.grid, &places, &mut seen);
             let mut rest = seen.as_slice();
             for wanted in &waiting[..taken] {
                 let added = wanted.samples.len();
@@ -154,11 +153,11 @@ impl Picture<'_> {
             }
             waiting = &waiting[taken..];
         }
-        tile.counts += tracer.counts;
+        tile.counts += tracer.take_counts();
     }
 
     /// Adds the places of samples of both halves.
-    fn add_places(&self, pixel: (u32, u32), pass: u32, samples: Range<u32>, places: &mut Places) {
+    fn add_places(&self, pixel: (u32, u32), pass: u32, samples: Range<u32>, places: &mut Vec<Place>) {
         let sampler = self.options.measure.sampler;
         // A stratified set is whole or worthless, so every pass begins another one.
         let is_stratified = sampler == SamplerKind::Stratified;
@@ -178,27 +177,26 @@ impl Picture<'_> {
         self.tiles.par_iter().for_each(|tile| {
             let Ok(mut tile) = tile.lock() else { return };
             let pixels: Vec<_> = tile.tile.pixels().collect();
-            let mut tracer = Tracer::new(self.scene, self.plan);
-            let (mut places, mut rays, mut seen) = (Places::default(), Rays::default(), Vec::new());
+            let mut tracer = tracer(self.scene, self.plan);
+            let (mut places, mut seen) = (Vec::new(), Vec::new());
             for pixels in pixels.chunks(RAYS_AT_ONCE / PILOT_SAMPLES as usize) {
                 if self.is_late() {
                     return;
                 }
                 self.set_pilot_places(pixels, &mut places);
-                self.maker.make_rays(&places, &mut rays);
-                tracer.see(&rays, &mut seen);
+                tracer.trace(self.maker.grid, &places, &mut seen);
                 let Ok(mut variances) = variances.lock() else { return };
                 for (&(x, row), seen) in pixels.iter().zip(seen.chunks(PILOT_SAMPLES as usize)) {
                     variances[row as usize * width + x as usize] = shown_variance(seen);
                 }
             }
-            tile.counts += tracer.counts;
+            tile.counts += tracer.take_counts();
         });
         let variances = variances.into_inner().unwrap_or_else(PoisonError::into_inner);
         (!self.is_late()).then_some(variances)
     }
 
-    fn set_pilot_places(&self, pixels: &[(u32, u32)], places: &mut Places) {
+    fn set_pilot_places(&self, pixels: &[(u32, u32)], places: &mut Vec<Place>) {
         let pattern = SamplePattern::new(SamplerKind::Sobol, PILOT_SAMPLES);
         places.clear();
         for &pixel in pixels {

@@ -1,5 +1,5 @@
 //! [`Scene`](crate::scene::Scene) in, [`Frame`] out: which rays, in which order, and what becomes of what they see.
-//! Begin reading at [`trace`].
+//! [`tracer`] does the tracing.
 //!
 //! Either every pixel gets the same number of samples ([`render_uniform`]), or as many as an error or a time limit asks
 //! for ([`render_adaptive`]).
@@ -10,13 +10,11 @@ pub mod error_estimate;
 mod pixel;
 mod preview;
 mod rays;
-pub mod robust;
 mod sample_counts;
 mod samples;
-mod surfaces;
 mod tile_samples;
 mod tiles;
-pub mod trace;
+mod tracer;
 mod uniform;
 
 pub use adaptive::render as render_adaptive;

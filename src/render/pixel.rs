@@ -1,7 +1,7 @@
 //! [`Pixel`]: what a ray saw as pictures show it, and how several of them become one.
 
-use super::trace::Seen;
 use crate::film::Film;
+use crate::trace::Seen;
 use vecmath::{Real, Vector3};
 
 /// The displayed values of a pixel or of a sample of it.

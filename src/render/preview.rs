@@ -3,9 +3,7 @@
 use super::pixel::Pixel;
 use super::rays::RayMaker;
 use super::samples::SamplePattern;
-use super::trace::Tracer;
-use crate::camera::Places;
-use crate::objects::run::Rays;
+use super::tracer::tracer;
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
@@ -28,17 +26,16 @@ impl Preview {
         let pattern = SamplePattern::new(SamplerKind::Independent, 1);
         let middle = |start: u32, end: u32| (start + step / 2).min(end - 1);
         let row = |row: u32| {
-            let (mut places, mut rays) = (Places::default(), Rays::default());
+            let mut places = Vec::new();
             for column in 0..columns {
                 let pixel = (middle(column * step, options.width), middle(row * step, options.height));
                 let set = pattern.set(pixel, set, options.seed);
                 places.push(maker.place_of_sample(pixel, &set, 0));
             }
-            maker.make_rays(&places, &mut rays);
-            let (mut tracer, mut seen) = (Tracer::new(scene, plan), Vec::new());
-            tracer.see(&rays, &mut seen);
+            let (mut tracer, mut seen) = (tracer(scene, plan), Vec::new());
+            tracer.trace(maker.grid, &places, &mut seen);
             let pixels: Vec<Pixel> = seen.iter().map(|seen| maker.displayed(seen).sanitized()).collect();
-            (pixels, tracer.counts)
+            (pixels, tracer.take_counts())
         };
         let rows: Vec<_> = (0..options.height.div_ceil(step)).into_par_iter().map(row).collect();
         let mut counts = RayCounts::default();

@@ -2,12 +2,9 @@
 
 use super::pixel::Pixel;
 use super::samples::{SamplePattern, SampleSet};
-use super::trace::Seen;
-use crate::accel::simd::Level;
-use crate::camera::{CameraRays, PixelGrid, Places};
-use crate::objects::run::Rays;
+use crate::camera::{PixelGrid, Place};
 use crate::options::{Options, SamplerKind};
-use crate::scene::Scene;
+use crate::trace::Seen;
 use vecmath::Real;
 
 /// How the samples of a pixel of the traced grid are divided into sets that are independent of each other.
@@ -32,12 +29,10 @@ impl SetSizes {
 }
 
 /// Makes the rays of pixels.
-pub struct RayMaker<'a> {
-    scene: &'a Scene,
+pub struct RayMaker {
     /// The grid that is traced: three times as fine with `-filter`.
-    grid: PixelGrid,
+    pub grid: PixelGrid,
     is_filtered: bool,
-    level: Level,
     /// If there is a picture of depths.
     depth_range: Option<(Real, Real)>,
     shows_normals: bool,
@@ -46,8 +41,8 @@ pub struct RayMaker<'a> {
     seed: u64,
 }
 
-impl<'a> RayMaker<'a> {
-    pub fn new(scene: &'a Scene, args: &'a Options, sizes: &SetSizes) -> Self {
+impl RayMaker {
+    pub fn new(args: &Options, sizes: &SetSizes) -> Self {
         let finer = if args.filter { 3 } else { 1 };
         let sizes = match *sizes {
             SetSizes::One(samples) | SetSizes::Singles(samples) => vec![samples],
@@ -55,10 +50,8 @@ impl<'a> RayMaker<'a> {
         };
         let patterns = sizes.into_iter().map(|size| (size, SamplePattern::new(args.measure.sampler, size)));
         Self {
-            scene,
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
             is_filtered: args.filter,
-            level: args.simd,
             depth_range: args.depth.as_ref().map(|depth| (depth.min as Real, depth.max as Real)),
             shows_normals: args.normals.is_some(),
             patterns: args.jitter.then(|| patterns.collect()),
@@ -67,7 +60,7 @@ impl<'a> RayMaker<'a> {
     }
 
     /// Adds the places of the samples of a pixel of the traced grid, set by set.
-    pub fn add_places(&self, pixel: (u32, u32), places: &mut Places) {
+    pub fn add_places(&self, pixel: (u32, u32), places: &mut Vec<Place>) {
         let Some(patterns) = &self.patterns else {
             return places.push(self.grid.place(pixel, (0.0, 0.0)));
         };
@@ -80,18 +73,13 @@ impl<'a> RayMaker<'a> {
     /// The place of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
     /// falls into the block's pixels as often as the filter weighs them, so that the mean over all samples is the
     /// same as with a mean for each of them, and any number of samples will do.
-    pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> (Real, Real) {
+    pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> Place {
         let offset = set.offset(sample);
         if !self.is_filtered {
             return self.grid.place((x, row), offset);
         }
         let ((column, offset_x), (line, offset_y)) = (weighted_third(offset.0), weighted_third(offset.1));
         self.grid.place((3 * x + column, 3 * row + line), (offset_x, offset_y))
-    }
-
-    /// The rays through places.
-    pub fn make_rays(&self, places: &Places, rays: &mut Rays) {
-        self.level.run(CameraRays { camera: &self.scene.camera, grid: self.grid, places, rays });
     }
 
     /// What a ray saw as the pictures show it.

@@ -3,9 +3,9 @@
 use super::error_estimate::ErrorSums;
 use super::pixel::Pixel;
 use super::tiles::Tile;
-use super::trace::Seen;
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
+use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
 

@@ -1,10 +1,10 @@
 //! The picture as tiles, and what every way to sample them shares.
 
-use super::trace::Tracer;
 use crate::camera::PixelGrid;
 use crate::options::Options;
 use crate::plan::Plan;
 use crate::scene::Scene;
+use crate::trace::escape_direction;
 
 /// Side of a tile in pixels: small enough to share out evenly, large enough for rays to resemble their neighbours.
 const TILE: u32 = 16;
@@ -43,10 +43,12 @@ impl Tile {
 /// Decodes the cube map faces that a few rays reach. Otherwise all threads would wait at the first ray to reach each.
 pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, options: &Options) {
     /// Pixels along each side that are tried.
-    const TRIED: u32 = 32;
+    const TRIED: u32 = 16;
+    /// Mirrors that are followed.
+    const MIRRORS: u32 = 4;
     let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };
     // Smaller pictures are finished sooner without.
-    if options.width < 2 * TRIED || options.height < 2 * TRIED {
+    if options.width < 4 * TRIED || options.height < 4 * TRIED {
         return;
     }
     let grid = PixelGrid { width: options.width, height: options.height };
@@ -55,5 +57,6 @@ pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, options: &Options) {
         let pixel = (pixel(i % TRIED, options.width), pixel(i / TRIED, options.height));
         scene.camera.ray(grid.ndc(grid.place(pixel, (0.0, 0.0))))
     });
-    cube_map.decode(&Tracer::new(scene, plan).escaping(rays.collect()));
+    let directions: Vec<_> = rays.filter_map(|ray| escape_direction(scene, plan, ray, MIRRORS)).collect();
+    cube_map.decode(&directions);
 }

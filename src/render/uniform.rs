@@ -4,22 +4,24 @@ use super::error_estimate::ErrorSums;
 use super::pixel::{Pixel, average, filtered, store};
 use super::rays::{RayMaker, SetSizes};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
-use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
+use super::tracer::{Tracer, tracer};
 use super::{Frame, SampleCounts};
-use crate::camera::Places;
+use crate::camera::Place;
 use crate::film::{Film, Planes};
-use crate::objects::run::{RUN, Rays};
 use crate::options::Options;
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
+use crate::simd::packet::PACKET;
+use crate::trace::Seen;
+use crate::wide::PACKETS_AT_ONCE;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
-pub const RAYS_AT_ONCE: usize = RUNS_AT_ONCE * RUN;
+pub const RAYS_AT_ONCE: usize = PACKETS_AT_ONCE * PACKET;
 
 /// Renders what `plan` asks for. Every pixel is a function of its place alone, so that threads change nothing.
 pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
@@ -82,8 +84,8 @@ struct RenderedTile {
 
 /// Turns the pixels of tiles into rays, and what the rays see into pixels.
 struct TileRenderer<'a> {
-    tracer: Tracer<'a>,
-    maker: RayMaker<'a>,
+    tracer: Box<dyn Tracer + 'a>,
+    maker: RayMaker,
     options: &'a Options,
     sizes: SetSizes,
     planes: Planes,
@@ -91,9 +93,8 @@ struct TileRenderer<'a> {
     /// Standard errors of the tile's pixels so far, in levels; empty unless there is to be a picture of them.
     pixel_errors: Vec<f64>,
     filter: Duration,
-    /// Scratch: rays on their way, and what they saw.
-    places: Places,
-    rays: Rays,
+    /// Scratch: places to be traced, and what is seen through them.
+    places: Vec<Place>,
     seen: Vec<Seen>,
 }
 
@@ -101,16 +102,15 @@ impl<'a> TileRenderer<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options) -> Self {
         let sizes = SetSizes::new(options);
         Self {
-            tracer: Tracer::new(scene, plan),
-            maker: RayMaker::new(scene, options, &sizes),
+            tracer: tracer(scene, plan),
+            maker: RayMaker::new(options, &sizes),
             options,
             sizes,
             planes: Planes::wanted_by(options),
             errors: ErrorSums::default(),
             pixel_errors: Vec::new(),
             filter: Duration::ZERO,
-            places: Places::default(),
-            rays: Rays::default(),
+            places: Vec::new(),
             seen: Vec::new(),
         }
     }
@@ -126,7 +126,7 @@ impl<'a> TileRenderer<'a> {
         film.set_errors(self.pixel_errors.drain(..));
         RenderedTile {
             film,
-            counts: std::mem::take(&mut self.tracer.counts),
+            counts: self.tracer.take_counts(),
             errors: std::mem::take(&mut self.errors),
             filter: std::mem::take(&mut self.filter),
         }
@@ -144,8 +144,7 @@ impl<'a> TileRenderer<'a> {
                 self.maker.add_places((x, row), &mut self.places);
             }
         }
-        self.maker.make_rays(&self.places, &mut self.rays);
-        self.tracer.see(&self.rays, &mut self.seen);
+        self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
         let start = self.options.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / pixels.len();
         let seen = std::mem::take(&mut self.seen);
