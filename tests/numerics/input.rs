@@ -65,7 +65,7 @@ fn coordinates_of_meshes_are_floats() {
     let scene = objects("TriangleMesh { obj_file m.obj }");
     let bounds = |x: &str| {
         let obj = format!("v 0 0 0\nv {x} 0 0\nv 0 1 0\nf 1 2 3\n");
-        Studio::with_meshes(&scene, &[("m.obj", &obj)], "").scene.objects[0].bounds.unwrap().max.x
+        Studio::with_meshes(&scene, &[("m.obj", &obj)], "").scene.geometry.objects[0].bounds.unwrap().max.x
     };
     check_that("1e-320 in a mesh: 0", f64::from(bounds("1e-320")) < 1e-9);
     check_that("3.4e38 in a mesh: read", f64::from(bounds("3.4e38")) > 3.3e38);

@@ -1,8 +1,8 @@
 //! Closed surfaces that no ray gets through: on edges, at corners, in random poses, as a mesh and as loose triangles.
 
 use super::support::{Random, Studio, Way, check, objects, vector, ways};
-use a2::accel::simd::Level;
 use a2::objects::Ray;
+use a2::simd::InstructionSet;
 use std::fmt::Write as _;
 use vecmath::Vector3;
 
@@ -299,8 +299,7 @@ fn soak() {
     let rays: u64 = std::env::var("A2_SOAK_RAYS").map_or(100_000_000, |n| n.parse().unwrap());
     let obj = ball(4, 1);
     let share = rays / 4;
-    let Some(way) = ways().find(|way| !way.robust() && way.level.to_string() == Level::detected().to_string())
-    else {
+    let Some(way) = ways().find(|way| !way.robust() && way.instruction_set == InstructionSet::detected()) else {
         panic!()
     };
     let workers = (0..4_u64).map(|worker| {

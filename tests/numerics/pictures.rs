@@ -3,7 +3,7 @@
 use super::support::{CAMERA, Studio, check, check_that, objects, vector, ways};
 use a2::cube_map::CubeMap;
 use a2::render::Pixel;
-use a2::render::trace::Seen;
+use a2::trace::Seen;
 use vecmath::Real;
 
 #[test]

@@ -137,10 +137,10 @@ proptest! {
             words(center), words(axis), words(stretch),
         );
         let studio = Studio::new(&objects(&text), "");
-        let placement = studio.scene.objects[0].placement.clone().unwrap();
+        let transform = studio.scene.geometry.objects[0].transform.clone().unwrap();
         // The surface is what the inverse matrix, as it is, takes to the unit sphere; height over it in world space is that in
         // object space over what the matrix makes of the normal.
-        let columns = placement.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
+        let columns = transform.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
         let image = |p: &V| -> V {
             [0, 1, 2].map(|i| &columns[0][i] * &p[0] + &columns[1][i] * &p[1] + &columns[2][i] * &p[2] + &columns[3][i])
         };

@@ -1,31 +1,48 @@
-//! The promise of `a2::accel`: whatever is asked, the answer is that of a loop over all triangles or all objects, to the
-//! last bit, at every processor level.
+//! The contract of the trees: every query is answered as by a loop over all triangles or all objects, to the last bit,
+//! with every instruction set, for one ray and for a packet.
 
-use a2::accel::simd::Level;
-use a2::accel::{Accelerator, Hit};
-use a2::objects::HitRun;
-use a2::objects::run::{Prepare, PreparedRun, RUN, RayRun, Vectors, first, numbers_in};
 use a2::objects::{
-    Mesh, MeshHit, Object, Placement, Plane, PreparedRay, Ray, Shape, Sphere, T_MAX, Triangle, TriangleHit,
-    TriangleHits, triangle_hit,
+    Hit, Mesh, Object, Plane, PreparedRay, Ray, Shape, Sphere, SurfaceHit, T_MAX, Transform, Triangle,
+    intersect_triangle,
 };
+use a2::scene::{Geometry, build_mesh_tree};
+use a2::simd::packet::{PACKET, RayPacket, first_lanes, has_lane, lanes_in};
+use a2::simd::{InstructionSet, with_simd};
+use a2::wide::{HitPacket, Scratch};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use vecmath::{Matrix4, Real, Vector3};
 
-/// All levels that this machine has.
-fn levels() -> Vec<Level> {
-    let here: Vec<Level> = Level::NAMES.into_iter().filter_map(Level::named).collect();
-    if here.len() < Level::NAMES.len() {
-        eprintln!("skipped: this processor does not have every level, only {here:?}");
+/// All instruction sets that this machine has.
+fn instruction_sets() -> Vec<InstructionSet> {
+    let here: Vec<_> = InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name)).collect();
+    if here.len() < InstructionSet::NAMES.len() {
+        eprintln!("skipped: this processor does not have every instruction set, only {here:?}");
     }
     here
 }
 
-fn mesh_with_tree(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let mut mesh = Mesh::new(positions, triangles);
-    mesh.build_tree();
-    mesh
+/// A scene that is one mesh.
+fn geometry(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Geometry {
+    let mesh = Mesh::new(positions, triangles);
+    let object = Object::new(Shape::Mesh(0), None, 0, Some(mesh.bounds()));
+    Geometry::new(vec![object], vec![mesh], InstructionSet::detected())
+}
+
+/// Checks the structure of a mesh's tree, and that every triangle is in it once. A mesh beyond the range of `f32` has no
+/// tree.
+fn validate(mesh: &Mesh) -> Result<(), String> {
+    let Some(tree) = build_mesh_tree(mesh) else {
+        let is_ordinary = mesh.bounds().max_abs() < 1e30;
+        return if is_ordinary { Err("there is no tree".into()) } else { Ok(()) };
+    };
+    let corners =
+        |triangles: &[u32]| triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).collect::<Vec<_>>();
+    tree.validate(|block| tree.space.planes(&a2::objects::Aabb::of_points(corners(block.indices()))))?;
+    let mut triangles: Vec<u32> = tree.leaves.iter().flat_map(|block| block.indices().to_vec()).collect();
+    triangles.sort_unstable();
+    let all: Vec<u32> = (0..mesh.triangle_count() as u32).collect();
+    if triangles == all { Ok(()) } else { Err("not every triangle is in one leaf".into()) }
 }
 
 /// The same cases at every run.
@@ -78,18 +95,20 @@ fn any_ray() -> impl Strategy<Value = Ray> {
         .prop_map(|(origin, direction)| Ray { origin: origin.into(), direction: direction.into() })
 }
 
-/// A bit pattern of everything that a hit says; NaN equals NaN.
-fn bits(hit: &Option<MeshHit>) -> Option<(u32, u64, [u64; 3])> {
-    hit.map(|found| (found.triangle, found.hit.t.to_bits(), found.hit.barycentric.map(Real::to_bits)))
+/// A bit pattern of everything that a hit says: NaN equals NaN.
+type Bits = (u32, u64, [u64; 3]);
+
+fn bits(hit: &Option<SurfaceHit>) -> Option<Bits> {
+    hit.map(|hit| (hit.triangle, hit.t.to_bits(), hit.barycentric.map(Real::to_bits)))
 }
 
 /// The definition: the nearest of all triangles' hits, the first one of equals.
-fn closest_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> Option<MeshHit> {
-    let mut closest: Option<MeshHit> = None;
+fn closest_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
+    let mut closest: Option<SurfaceHit> = None;
     for triangle in 0..mesh.triangle_count() as u32 {
-        let Some(hit) = triangle_hit(ray, mesh.corners(triangle)) else { continue };
-        if hit.t < closest.map_or(t_max, |closest| closest.hit.t) {
-            closest = Some(MeshHit { triangle, hit });
+        let Some(hit) = intersect_triangle(ray, mesh.corners(triangle)) else { continue };
+        if hit.t < closest.map_or(t_max, |closest| closest.t) {
+            closest = Some(SurfaceHit { triangle, ..hit });
         }
     }
     closest
@@ -97,47 +116,56 @@ fn closest_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> Option<MeshHi
 
 fn any_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> bool {
     let mut triangles = 0..mesh.triangle_count() as u32;
-    triangles.any(|triangle| triangle_hit(ray, mesh.corners(triangle)).is_some_and(|hit| hit.t <= t_max))
+    triangles.any(|triangle| intersect_triangle(ray, mesh.corners(triangle)).is_some_and(|hit| hit.t <= t_max))
 }
 
-/// Rays one by one and 64 at a time, at every level, against the loop.
-fn mesh_agrees(mesh: &mut Mesh, rays: &[Ray]) -> Result<(), TestCaseError> {
+/// An object's closest hit, with a loop over the triangles of its mesh.
+fn closest_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
+    object.closest_hit(ray, t_max, |mesh, ray| closest_by_loop(&meshes[mesh as usize], ray, t_max))
+}
+
+fn any_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Real) -> bool {
+    let t_max = t_max.min(T_MAX.next_down());
+    object.any_hit(ray, t_max, |mesh, ray| {
+        any_by_loop(&meshes[mesh as usize], ray, t_max).then_some(SurfaceHit::at(t_max))
+    })
+}
+
+/// Rays one by one and 64 at a time, with every instruction set, against the loop. The object that is the mesh adds its
+/// own rule, that a hit lies in its bounds, to both sides.
+fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
     let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(*ray)).collect();
-    let expected: Vec<_> = rays.iter().map(|ray| closest_by_loop(mesh, ray, T_MAX)).collect();
+    let (object, meshes) = (&geometry.objects[0], &geometry.meshes);
+    let expected: Vec<_> = rays.iter().map(|ray| closest_of_object(object, meshes, ray, T_MAX)).collect();
     // A limit that is met exactly shows whether it is meant inclusively.
-    let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(5.0, |hit| hit.hit.t)).collect();
-    for level in levels() {
-        mesh.set_level(level);
+    let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(5.0, |hit| hit.t)).collect();
+    let mut scratch = Scratch::default();
+    for set in instruction_sets() {
         for (number, ray) in rays.iter().enumerate() {
-            prop_assert_eq!(bits(&mesh.closest_hit(ray, T_MAX)), bits(&expected[number]), "{} {:?}", level, ray);
+            let closest = |t_max| with_simd!(set, simd => geometry.closest_hit_of_object(simd, 0, ray, t_max));
+            let any = |t_max| with_simd!(set, simd => geometry.any_hit_of_object(simd, 0, ray, t_max));
+            prop_assert_eq!(bits(&closest(T_MAX)), bits(&expected[number]), "{} {:?}", set, ray);
             for limit in [limits[number], limits[number].next_down(), 1.0] {
-                let nearer = closest_by_loop(mesh, ray, limit);
-                prop_assert_eq!(bits(&mesh.closest_hit(ray, limit)), bits(&nearer), "{} {}", level, limit);
-                prop_assert_eq!(mesh.any_hit(ray, limit), any_by_loop(mesh, ray, limit), "{} {}", level, limit);
+                let nearer = closest_of_object(object, meshes, ray, limit);
+                prop_assert_eq!(bits(&closest(limit)), bits(&nearer), "{} {}", set, limit);
+                prop_assert_eq!(any(limit), any_of_object(object, meshes, ray, limit), "{} {}", set, limit);
             }
         }
-        let mut triangle_hits = TriangleHits::NONE;
-        for (rays, expected) in rays.chunks(RUN).zip(expected.chunks(RUN)) {
-            let mask = first(rays.len()) & 0xffff_ffff_ffff_fff7;
-            let mut run = RayRun::NONE;
-            rays.iter().enumerate().for_each(|(number, ray)| run.set(number, ray.ray));
-            let mut inverse_direction = Vectors::ZERO;
-            level.run(Prepare { rays: &run, mask, inverse_direction: &mut inverse_direction });
-            let prepared = PreparedRun { rays: &run, inverse_direction: &inverse_direction };
-            let mut hits = HitRun::NONE.at;
-            hits.t = [T_MAX; RUN];
-            let hit = mesh.closest_hits(prepared, mask, &mut triangle_hits, &mut hits);
-            let mut limits = [5.0; RUN];
-            expected.iter().zip(&mut limits).for_each(|(hit, limit)| *limit = hit.map_or(5.0, |hit| hit.hit.t));
-            let found = mesh.any_hits(prepared, mask, &mut triangle_hits, &limits);
-            for number in numbers_in(mask) {
-                let ray = &rays[number];
-                let at = hits.get(number);
-                let triangle_hit = TriangleHit { t: at.t, barycentric: at.barycentric };
-                let closest =
-                    (hit >> number & 1 == 1).then_some(MeshHit { triangle: at.triangle, hit: triangle_hit });
-                prop_assert_eq!(bits(&closest), bits(&expected[number]), "{} {:?}", level, ray);
-                prop_assert_eq!(found >> number & 1 == 1, any_by_loop(mesh, ray, limits[number]), "{}", level);
+        for (rays, expected) in rays.chunks(PACKET).zip(expected.chunks(PACKET)) {
+            let active = first_lanes(rays.len()) & 0xffff_ffff_ffff_fff7;
+            let mut packet: RayPacket = rays.iter().map(|ray| ray.ray).collect();
+            let mut hits = HitPacket::NONE;
+            with_simd!(set, simd => geometry.closest_hits(simd, &mut packet, active, &mut scratch, &mut hits));
+            let mut limits = [5.0; PACKET];
+            expected.iter().zip(&mut limits).for_each(|(hit, limit)| *limit = hit.map_or(5.0, |hit| hit.t));
+            let found =
+                with_simd!(set, simd => geometry.any_hits(simd, &mut packet, active, &mut scratch, &limits));
+            for lane in lanes_in(active) {
+                let ray = &rays[lane];
+                let closest = hits.get(lane, &geometry.objects).map(|hit| hit.surface);
+                prop_assert_eq!(bits(&closest), bits(&expected[lane]), "{} {:?}", set, ray);
+                let any = any_of_object(object, meshes, ray, limits[lane]);
+                prop_assert_eq!(has_lane(found, lane), any, "{} {:?}", set, ray);
             }
         }
     }
@@ -165,18 +193,18 @@ fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
 fn a_mesh_answers_as_the_loop_does() {
     let cases = (soup(), prop::collection::vec(any_ray(), 1..80));
     check(150, cases, |((positions, triangles), rays)| {
-        let mut mesh = mesh_with_tree(positions, triangles);
-        prop_assert_eq!(mesh.tree().map(|tree| tree.validate(|triangle| mesh.corners(triangle))), Some(Ok(())));
-        mesh_agrees(&mut mesh, &rays)
+        let geometry = geometry(positions, triangles);
+        prop_assert_eq!(validate(&geometry.meshes[0]), Ok(()));
+        mesh_agrees(&geometry, &rays)
     });
 }
 
 #[test]
 fn a_mesh_answers_as_the_loop_does_at_edges_and_corners() {
     check(80, (soup(), any_ray()), |((positions, triangles), ray)| {
-        let mut mesh = mesh_with_tree(positions, triangles);
-        let rays = aimed_rays(&mesh, ray.origin, ray.direction);
-        mesh_agrees(&mut mesh, &rays)
+        let geometry = geometry(positions, triangles);
+        let rays = aimed_rays(&geometry.meshes[0], ray.origin, ray.direction);
+        mesh_agrees(&geometry, &rays)
     });
 }
 
@@ -197,7 +225,7 @@ fn coherent_rays_answer_as_the_loop_does() {
                 [[a, b, c], [b, d, c]]
             })
             .collect();
-        let mut mesh = mesh_with_tree(positions, triangles);
+        let geometry = geometry(positions, triangles);
         let eye = Vector3::new(0.1, -0.2, distance) * Real::from(scale);
         let ray = |i: u32| {
             let (x, y) = (Real::from(i % 8) / 7.0 - 0.5, Real::from(i / 8) / 31.0 - 0.5);
@@ -206,13 +234,14 @@ fn coherent_rays_answer_as_the_loop_does() {
         };
         let parallel = |i: u32| Ray { direction: -eye, origin: eye + ray(i).direction * 0.01 };
         let rays: Vec<Ray> = (0..256).map(ray).chain((0..256).map(parallel)).collect();
-        let met = rays.iter().filter(|ray| any_by_loop(&mesh, &PreparedRay::new(**ray), T_MAX)).count();
+        let met =
+            rays.iter().filter(|ray| any_by_loop(&geometry.meshes[0], &PreparedRay::new(**ray), T_MAX)).count();
         assert!(met > 100, "{met} rays meet the square at scale {scale}");
-        mesh_agrees(&mut mesh, &rays).unwrap();
+        mesh_agrees(&geometry, &rays).unwrap();
     }
 }
 
-fn placement() -> impl Strategy<Value = Option<Matrix4>> {
+fn transform() -> impl Strategy<Value = Option<Matrix4>> {
     let matrix = ([number(), number(), number()], -3.0..3.0, 0.2..2.0).prop_map(|(offset, angle, size)| {
         let offset = Vector3::from(offset.map(|c: Real| if c.abs() < 1e6 { c } else { 0.5 }));
         let axis = Vector3::new(0.3, 1.0, -0.5).normalized();
@@ -225,96 +254,99 @@ fn placement() -> impl Strategy<Value = Option<Matrix4>> {
 
 /// Objects as `compile` would make them, of two meshes, spheres, triangles and planes, some of them twice.
 fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
-    let object = (0..6u8, placement(), position(), position(), 0u32..3);
+    let object = (0..6u8, transform(), position(), position(), 0u32..3);
     (prop::collection::vec(object, 1..40), soup(), soup()).prop_map(|(objects, one, other)| {
-        let meshes = vec![mesh_with_tree(one.0, one.1), mesh_with_tree(other.0, other.1)];
+        let meshes = vec![Mesh::new(one.0, one.1), Mesh::new(other.0, other.1)];
         let vector = |p: [f32; 3]| Vector3::from(p.map(Real::from));
         let made = objects.into_iter().flat_map(|(kind, matrix, p, q, copies)| {
-            let (shape, bounds) = match kind {
-                0 => (Shape::Plane(Plane::new(vector(p) + Vector3::splat(0.1), q[0].into())), None),
-                1 | 2 => {
-                    let sphere = Sphere { center: vector(p), radius: Real::from(q[0].abs()) + 0.1 };
-                    let bounds = sphere.bounds();
-                    (Shape::Sphere(sphere), Some(bounds))
-                }
-                3 => {
-                    let triangle = Triangle::new([vector(p), vector(q), Vector3::new(0.0, 1.0, 0.5)]);
-                    let bounds = triangle.bounds();
-                    (Shape::Triangle(triangle), Some(bounds))
-                }
-                _ => (Shape::Mesh(u32::from(kind % 2)), Some(*meshes[usize::from(kind % 2)].bounds())),
+            let shape = match kind {
+                0 => Shape::Plane(Plane::new(vector(p) + Vector3::splat(0.1), q[0].into())),
+                1 | 2 => Shape::Sphere(Sphere { center: vector(p), radius: Real::from(q[0].abs()) + 0.1 }),
+                3 => Shape::Triangle(Triangle::new([vector(p), vector(q), Vector3::new(0.0, 1.0, 0.5)])),
+                _ => Shape::Mesh(u32::from(kind % 2)),
             };
-            let placement = matrix.and_then(|matrix| Placement::new(&matrix).ok()).map(Box::new);
-            let object = Object::new(shape, placement, 0, bounds.as_ref());
+            let bounds = shape.bounds(&meshes);
+            let transform = matrix.and_then(|matrix| Transform::new(&matrix).ok()).map(Box::new);
+            let object = Object::new(shape, transform, 0, bounds.as_ref());
             (0..=copies / 2).map(move |_| object.clone())
         });
         (made.collect(), meshes)
     })
 }
 
-fn object_bits(hit: &Option<Hit>) -> Option<(u32, u32, u64, [u64; 3])> {
-    hit.map(|hit| (hit.object, hit.at.triangle, hit.at.t.to_bits(), hit.at.barycentric.map(Real::to_bits)))
+fn hit_bits(hit: &Option<Hit>) -> Option<(u32, Bits)> {
+    hit.and_then(|hit| Some((hit.object, bits(&Some(hit.surface))?)))
+}
+
+/// What a packet's rays hit, and whether anything blocks them. Asking for a part of the lanes must change nothing.
+fn answers_of_packet(
+    geometry: &Geometry,
+    rays: &[Ray],
+    limits: &[Real],
+    scratch: &mut Scratch,
+) -> Result<Vec<(Option<Hit>, bool)>, TestCaseError> {
+    let (mut packet, mut hits): (RayPacket, _) = (rays.iter().copied().collect(), HitPacket::NONE);
+    let mut t_max = [0.0; PACKET];
+    t_max[..limits.len()].copy_from_slice(limits);
+    let all = first_lanes(rays.len());
+    let parts = [all, all & 0xffff_f7ff_0ff0_ff5d, all & !0xffff_f7ff_0ff0_ff5d];
+    let mut answers = [(); 3].map(|()| Vec::new());
+    for (mask, answers) in parts.into_iter().zip(&mut answers) {
+        let any = with_simd!(geometry.instruction_set, simd => {
+            geometry.closest_hits(simd, &mut packet, mask, scratch, &mut hits);
+            geometry.any_hits(simd, &mut packet, mask, scratch, &t_max)
+        });
+        prop_assert_eq!(any & !mask, 0);
+        let answer = |lane: usize| (hits.get(lane, &geometry.objects), has_lane(any, lane));
+        answers.extend(lanes_in(mask).map(|lane| (lane, answer(lane))));
+    }
+    let [whole, one, other] = answers;
+    let mut parts: Vec<_> = one.into_iter().chain(other).collect();
+    parts.sort_by_key(|part| part.0);
+    for (whole, part) in whole.iter().zip(&parts) {
+        prop_assert_eq!(hit_bits(&whole.1.0), hit_bits(&part.1.0), "{}", geometry.instruction_set);
+        prop_assert_eq!((whole.0, whole.1.1), (part.0, part.1.1), "{}", geometry.instruction_set);
+    }
+    Ok(whole.into_iter().map(|whole| whole.1).collect())
 }
 
 #[test]
 fn a_scene_answers_as_the_loop_does() {
-    check(150, (scene(), prop::collection::vec(any_ray(), 1..90)), |((objects, mut meshes), rays)| {
-        let by_loop = |meshes: &[Mesh], ray: &Ray| {
+    check(150, (scene(), prop::collection::vec(any_ray(), 1..90)), |((objects, meshes), rays)| {
+        let by_loop = |ray: &Ray| {
             let ray = PreparedRay::new(*ray);
             let mut closest: Option<Hit> = None;
             for (index, object) in objects.iter().enumerate() {
-                let t_max = closest.map_or(T_MAX, |closest| closest.at.t);
-                if let Some(at) = object.closest_hit(meshes, &ray, t_max) {
-                    closest = Some(Hit { object: index as u32, at });
+                let t_max = closest.map_or(T_MAX, |closest| closest.surface.t);
+                if let Some(surface) = closest_of_object(object, &meshes, &ray, t_max) {
+                    closest = Some(Hit { object: index as u32, surface });
                 }
             }
             closest
         };
-        let blocked_by_loop = |meshes: &[Mesh], ray: &Ray, t_max: Real| {
+        let blocked_by_loop = |ray: &Ray, t_max: Real| {
             let ray = PreparedRay::new(*ray);
-            objects.iter().any(|object| object.any_hit(meshes, &ray, t_max.min(T_MAX.next_down())))
+            objects.iter().any(|object| any_of_object(object, &meshes, &ray, t_max))
         };
-        meshes.iter_mut().for_each(|mesh| mesh.set_level(Level::SCALAR));
-        let expected: Vec<_> = rays.iter().map(|ray| by_loop(&meshes, ray)).collect();
-        let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(Real::INFINITY, |hit| hit.at.t)).collect();
+        let expected: Vec<_> = rays.iter().map(by_loop).collect();
+        let limits: Vec<Real> =
+            expected.iter().map(|hit| hit.map_or(Real::INFINITY, |hit| hit.surface.t)).collect();
         let blocked: Vec<bool> =
-            rays.iter().zip(&limits).map(|(ray, limit)| blocked_by_loop(&meshes, ray, *limit)).collect();
-        for level in levels() {
-            meshes.iter_mut().for_each(|mesh| mesh.set_level(level));
-            let accelerator = Accelerator::with_level(&objects, level);
-            let (mut hits, mut found) = (Vec::new(), Vec::new());
-            for (rays, limits) in rays.chunks(RUN).zip(limits.chunks(RUN)) {
-                let (mut run, mut t_max, mut nearest) = (RayRun::NONE, [0.0; RUN], HitRun::NONE);
-                rays.iter().enumerate().for_each(|(number, ray)| run.set(number, *ray));
-                t_max[..limits.len()].copy_from_slice(limits);
-                let all = first(rays.len());
-                // Whoever else is asked about changes nothing.
-                let parts = [all, all & 0xffff_f7ff_0ff0_ff5d, all & !0xffff_f7ff_0ff0_ff5d];
-                let mut answers = [(); 3].map(|()| Vec::new());
-                for (mask, answers) in parts.into_iter().zip(&mut answers) {
-                    accelerator.closest_hits(&objects, &meshes, &run, mask, &mut nearest);
-                    let any = accelerator.any_hits(&objects, &meshes, &run, mask, &t_max);
-                    prop_assert_eq!(any & !mask, 0);
-                    let answer = |number: usize| (nearest.get(number, &objects), any >> number & 1 == 1);
-                    answers.extend(numbers_in(mask).map(|number| (number, answer(number))));
-                }
-                let [whole, one, other] = answers;
-                let mut parts: Vec<_> = one.into_iter().chain(other).collect();
-                parts.sort_by_key(|part| part.0);
-                for (whole, part) in whole.iter().zip(&parts) {
-                    prop_assert_eq!(object_bits(&whole.1.0), object_bits(&part.1.0), "{}", level);
-                    prop_assert_eq!((whole.0, whole.1.1), (part.0, part.1.1), "{}", level);
-                }
-                hits.extend(whole.iter().map(|whole| whole.1.0));
-                found.extend(whole.iter().map(|whole| whole.1.1));
+            rays.iter().zip(&limits).map(|(ray, limit)| blocked_by_loop(ray, *limit)).collect();
+        let (mut geometry, mut scratch) =
+            (Geometry::new(objects.clone(), meshes, InstructionSet::detected()), Scratch::default());
+        for set in instruction_sets() {
+            geometry.instruction_set = set;
+            let mut answers = Vec::new();
+            for (rays, limits) in rays.chunks(PACKET).zip(limits.chunks(PACKET)) {
+                answers.extend(answers_of_packet(&geometry, rays, limits, &mut scratch)?);
             }
-            prop_assert_eq!(&found, &blocked, "{}", level);
             for (number, ray) in rays.iter().enumerate() {
-                let alone = accelerator.closest_hit(&objects, &meshes, ray);
-                prop_assert_eq!(object_bits(&alone), object_bits(&expected[number]), "{} {:?}", level, ray);
-                prop_assert_eq!(object_bits(&hits[number]), object_bits(&expected[number]), "{} {:?}", level, ray);
-                let any = accelerator.any_hit(&objects, &meshes, ray, limits[number]);
-                prop_assert_eq!(any, blocked[number], "{} {:?}", level, ray);
+                let single = geometry.closest_hit(ray);
+                prop_assert_eq!(hit_bits(&single), hit_bits(&expected[number]), "{} {:?}", set, ray);
+                prop_assert_eq!(hit_bits(&answers[number].0), hit_bits(&expected[number]), "{} {:?}", set, ray);
+                let any = geometry.any_hit(ray, limits[number]);
+                prop_assert_eq!((any, answers[number].1), (blocked[number], blocked[number]), "{} {:?}", set, ray);
             }
         }
         Ok(())
@@ -333,7 +365,7 @@ fn very_short_directions_answer_as_the_loop_does() {
         };
         let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
         let positions = corners.map(|corner| turned(corner).map(|c| c as f32)).to_vec();
-        let mut mesh = mesh_with_tree(positions, vec![[0, 1, 2], [0, 2, 3]]);
+        let geometry = geometry(positions, vec![[0, 1, 2], [0, 2, 3]]);
         let ray = |i: u32| {
             let share = Real::from(i as f32 - 40.0) * 0.1e-9;
             // As short is the way to the mesh, so that t is an ordinary number.
@@ -341,9 +373,10 @@ fn very_short_directions_answer_as_the_loop_does() {
             Ray { origin, direction: turned([share * length, 0.25 * share * length, -length]).into() }
         };
         let rays: Vec<Ray> = (0..80).map(ray).collect();
-        let met = rays.iter().filter(|ray| any_by_loop(&mesh, &PreparedRay::new(**ray), T_MAX)).count();
+        let met =
+            rays.iter().filter(|ray| any_by_loop(&geometry.meshes[0], &PreparedRay::new(**ray), T_MAX)).count();
         assert!(met > 60, "{met}");
-        mesh_agrees(&mut mesh, &rays).unwrap();
+        mesh_agrees(&geometry, &rays).unwrap();
     }
 }
 
@@ -356,10 +389,10 @@ fn deep_trees_answer_as_the_loop_does() {
         positions.extend([[size, 0.0, 0.0], [size, size, 0.0], [size, 0.0, size]]);
     }
     let triangles = (0..120).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mut mesh = mesh_with_tree(positions, triangles);
-    assert_eq!(mesh.tree().unwrap().validate(|triangle| mesh.corners(triangle)), Ok(()));
-    let rays = aimed_rays(&mesh, Vector3::new(3.0, 0.4, 0.3), Vector3::new(-1.0, 1e-3, 1e-3));
-    mesh_agrees(&mut mesh, &rays).unwrap();
+    let geometry = geometry(positions, triangles);
+    assert_eq!(validate(&geometry.meshes[0]), Ok(()));
+    let rays = aimed_rays(&geometry.meshes[0], Vector3::new(3.0, 0.4, 0.3), Vector3::new(-1.0, 1e-3, 1e-3));
+    mesh_agrees(&geometry, &rays).unwrap();
 }
 
 /// A mesh so small that rays come from more than 2^26 times its size, where rounding moves them sideways by more than that.
@@ -370,7 +403,7 @@ fn rays_from_very_far_answer_as_the_loop_does() {
         let at = |k: u32| [(i * 7 + k * 3) % 5, (i * 3 + k) % 7, (i + k * 5) % 4].map(|c| c as f32 * size);
         [at(0), at(1), at(2)]
     });
-    let mut mesh = mesh_with_tree(positions.collect(), (0..60).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let geometry = geometry(positions.collect(), (0..60).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
     let ray = |i: u32| {
         let (x, z) = (Real::from(i % 23) * -1.3e-16, Real::from(i / 23) * -1.1e-16);
         Ray { origin: Vector3::new(9.8e-25, 1.0, 7.1e-25), direction: Vector3::new(x, -1.0, z) }
@@ -378,11 +411,12 @@ fn rays_from_very_far_answer_as_the_loop_does() {
     let rays: Vec<Ray> = (0..320).map(ray).collect();
     let beside = rays.iter().filter(|ray| {
         let ray = PreparedRay::new(**ray);
-        any_by_loop(&mesh, &ray, T_MAX) && mesh.bounds().entry(&ray, 1e-25, T_MAX).is_none()
+        any_by_loop(&geometry.meshes[0], &ray, T_MAX)
+            && geometry.meshes[0].bounds().entry(&ray, 1e-25, T_MAX).is_none()
     });
     let beside = beside.count();
     assert!(beside > 5, "{beside}");
-    mesh_agrees(&mut mesh, &rays).unwrap();
+    mesh_agrees(&geometry, &rays).unwrap();
 }
 
 /// Directions so long that a hit's t has no more than a few digits.
@@ -390,14 +424,14 @@ fn rays_from_very_far_answer_as_the_loop_does() {
 fn very_long_directions_answer_as_the_loop_does() {
     let position = |i: u32| [(i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32].map(|c| c * 1e-16);
     let positions = (0..90).map(position).collect();
-    let mut mesh = mesh_with_tree(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
+    let geometry = geometry(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
     let ray = |i: u32| {
         let target = Vector3::from(position(i).map(Real::from));
         let origin = Vector3::new(3e-15, -2e-15, 4e-15) * Real::from(1 + i % 3);
         Ray { origin, direction: (target - origin) * 1e307 * 1e15 }
     };
     let rays: Vec<Ray> = (0..64).map(ray).collect();
-    mesh_agrees(&mut mesh, &rays).unwrap();
+    mesh_agrees(&geometry, &rays).unwrap();
 }
 
 /// Rays up and down a column of slices meet every box of the tree, so that more is pending than there is room for.
@@ -410,12 +444,12 @@ fn rays_that_meet_everything_answer_as_the_loop_does() {
     };
     let positions = (0..slices).flat_map(slice).collect();
     let triangles = (0..slices).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mut mesh = mesh_with_tree(positions, triangles);
+    let geometry = geometry(positions, triangles);
     let ray = |i: u32| {
         let (x, up) = (Real::from(i) * 0.01, if i.is_multiple_of(2) { 1.0 } else { -1.0 });
         Ray { origin: Vector3::new(x, 0.1, 0.5 - up), direction: Vector3::new(0.01, x, up) }
     };
-    mesh_agrees(&mut mesh, &(0..12).map(ray).collect::<Vec<_>>()).unwrap();
+    mesh_agrees(&geometry, &(0..12).map(ray).collect::<Vec<_>>()).unwrap();
 }
 
 #[test]
@@ -426,9 +460,11 @@ fn trees_do_not_depend_on_the_number_of_threads() {
     let triangles: Vec<[u32; 3]> = (0..60_000).map(|i| [i, (i * 7 + 1) % 60_000, (i + 1) % 60_000]).collect();
     let built = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mesh = pool.install(|| mesh_with_tree(positions.clone(), triangles.clone()));
-        assert_eq!(mesh.tree().unwrap().validate(|triangle| mesh.corners(triangle)), Ok(()));
-        format!("{:?}", mesh.tree())
+        pool.install(|| {
+            let mesh = Mesh::new(positions.clone(), triangles.clone());
+            assert_eq!(validate(&mesh), Ok(()));
+            format!("{:?}", build_mesh_tree(&mesh))
+        })
     };
     assert!(built(1) == built(4));
 }

@@ -69,7 +69,7 @@ fn what_is_no_number_hits_nothing() {
                 let [x, y, z, u, v, w] = numbers;
                 let ray = Ray { origin: Vector3::new(x, y, z), direction: Vector3::new(u, v, w) };
                 let hit = studio.hit(&ray);
-                hits += u32::from(hit.is_some_and(|hit| !(hit.at.t > 0.0 && hit.at.t < T_MAX)));
+                hits += u32::from(hit.is_some_and(|hit| !(hit.surface.t > 0.0 && hit.surface.t < T_MAX)));
                 if bad.is_nan() {
                     hits += u32::from(hit.is_some_and(|hit| hit.object != 1));
                 }

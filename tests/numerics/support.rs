@@ -1,14 +1,14 @@
 //! Small scenes in memory, the ways in which each case must hold, and the record of what was measured.
 
-use a2::accel::simd::Level;
-use a2::accel::{Accelerator, Hit};
 use a2::args::{self, Request};
 use a2::film::Film;
-use a2::objects::{Ray, SurfacePoint};
+use a2::objects::{Hit, PreparedRay, Ray, SurfaceHit, SurfacePoint, T_MAX, intersect_triangle};
 use a2::plan::Plan;
-use a2::render::trace::{Seen, Tracer};
+use a2::ray_counts::RayCounts;
 use a2::scene::{Compiled, Scene, compile};
 use a2::scene_file;
+use a2::simd::InstructionSet;
+use a2::trace::{Seen, trace_ray};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -22,8 +22,7 @@ pub const U: f64 = f64::EPSILON / 2.0;
 pub struct Way {
     /// Added to the command line.
     pub flags: &'static str,
-    /// What the processor may use.
-    pub level: Level,
+    pub instruction_set: InstructionSet,
 }
 
 impl Way {
@@ -32,10 +31,11 @@ impl Way {
     }
 }
 
-/// Every way in which a case must hold: with and without `-robust`, and at every processor level.
+/// Every way in which a case must hold: with and without `-robust`, and with every instruction set.
 pub fn ways() -> impl Iterator<Item = Way> {
-    let levels = || Level::NAMES.into_iter().filter_map(Level::named);
-    ["", "-robust"].into_iter().flat_map(move |flags| levels().map(move |level| Way { flags, level }))
+    let sets = || InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name));
+    let way = move |flags| sets().map(move |instruction_set| Way { flags, instruction_set });
+    ["", "-robust"].into_iter().flat_map(way)
 }
 
 /// Notes what a case may be off by and what it is off by, and insists.
@@ -125,42 +125,50 @@ impl Studio {
         Ok(Self { scene, plan, warnings, request })
     }
 
-    /// The same scene, searched at this processor level.
+    /// The same scene, with queries by this instruction set.
     pub fn at(mut self, way: Way) -> Self {
-        self.scene.meshes.iter_mut().for_each(|mesh| mesh.set_level(way.level));
-        self.scene.accelerator = Accelerator::with_level(&self.scene.objects, way.level);
+        self.scene.geometry.instruction_set = way.instruction_set;
         self
     }
 
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
-        self.scene.accelerator.closest_hit(&self.scene.objects, &self.scene.meshes, ray)
+        self.scene.geometry.closest_hit(ray)
     }
 
     pub fn t(&self, ray: &Ray) -> Option<f64> {
-        self.hit(ray).map(|hit| f64::from(hit.at.t))
+        self.hit(ray).map(|hit| f64::from(hit.surface.t))
     }
 
-    /// The nearest hit by asking every object.
+    /// The nearest hit by a loop over all objects and all triangles.
     pub fn hit_by_loop(&self, ray: &Ray) -> Option<Hit> {
-        let prepared = a2::objects::PreparedRay::new(*ray);
+        let prepared = PreparedRay::new(*ray);
         let mut closest: Option<Hit> = None;
-        for (index, object) in self.scene.objects.iter().enumerate() {
-            let limit = closest.map_or(a2::objects::T_MAX, |hit| hit.at.t);
-            if let Some(at) = object.closest_hit(&self.scene.meshes, &prepared, limit) {
-                closest = Some(Hit { object: index as u32, at });
+        for (index, object) in self.scene.geometry.objects.iter().enumerate() {
+            let limit = closest.map_or(T_MAX, |hit| hit.surface.t);
+            let of_mesh = |mesh: u32, ray: &PreparedRay| {
+                let mesh = &self.scene.geometry.meshes[mesh as usize];
+                let mut nearest: Option<SurfaceHit> = None;
+                for triangle in 0..mesh.triangle_count() as u32 {
+                    let hit = intersect_triangle(ray, mesh.corners(triangle));
+                    if let Some(hit) = hit.filter(|hit| hit.t < nearest.map_or(limit, |nearest| nearest.t)) {
+                        nearest = Some(SurfaceHit { triangle, ..hit });
+                    }
+                }
+                nearest
+            };
+            if let Some(surface) = object.closest_hit(&prepared, limit, of_mesh) {
+                closest = Some(Hit { object: index as u32, surface });
             }
         }
         closest
     }
 
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        self.scene.objects[hit.object as usize].surface_point(&self.scene.meshes, ray, &hit.at)
+        self.scene.geometry.surface_point(ray, hit)
     }
 
     pub fn seen(&self, ray: &Ray) -> Seen {
-        let mut seen = Vec::new();
-        Tracer::new(&self.scene, &self.plan).see(&[*ray].into_iter().collect(), &mut seen);
-        seen[0]
+        trace_ray(&self.scene, &self.plan, *ray, &mut RayCounts::default())
     }
 
     pub fn color(&self, ray: &Ray) -> [f64; 3] {

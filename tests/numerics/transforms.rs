@@ -100,8 +100,8 @@ fn bounds_hold_what_the_inverse_says() {
             a[0]
         );
         let studio = Studio::new(&transformed(&steps, UNIT_TRIANGLE), "");
-        let placement = studio.scene.objects[0].placement.as_ref().unwrap();
-        let columns = placement.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
+        let transform = studio.scene.geometry.objects[0].transform.as_ref().unwrap();
+        let columns = transform.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
         let volume = dot(&columns[0], &cross(&columns[1], &columns[2]));
         for i in 0..150 {
             // A point of the triangle just inside a corner.
@@ -117,8 +117,8 @@ fn bounds_hold_what_the_inverse_says() {
             let target = vector(world.map(|x| f(&(x / &volume))));
             let origin = target + vector(random.unit()) * (2.0 * target.max_abs());
             let ray = Ray { origin, direction: (target - origin).normalized() };
-            let prepared = a2::objects::PreparedRay::new(placement.ray_to_object(&ray));
-            if a2::objects::triangle_hit(&prepared, corners).is_some() {
+            let prepared = a2::objects::PreparedRay::new(transform.ray_to_object(&ray));
+            if a2::objects::intersect_triangle(&prepared, corners).is_some() {
                 hits += 1;
                 lost += u32::from(studio.t(&ray).is_none());
             }

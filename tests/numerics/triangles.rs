@@ -104,7 +104,7 @@ fn in_its_own_plane_a_ray_that_passes_beside_misses() {
         let bounds = a2::objects::Aabb::of_points(corners);
         if bounds.entry(&prepared, 1e-9, a2::objects::T_MAX).is_none() {
             edge_on += 1;
-            false_hits += u32::from(a2::objects::triangle_hit(&prepared, corners).is_some());
+            false_hits += u32::from(a2::objects::intersect_triangle(&prepared, corners).is_some());
         }
     }
     assert!(edge_on > 5000, "{edge_on}");
@@ -115,7 +115,7 @@ fn in_its_own_plane_a_ray_that_passes_beside_misses() {
 fn without_area_it_is_left_out_and_said_so() {
     let line = text([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [3.0, 3.0, 0.0]]);
     let studio = Studio::new(&objects(&line), "");
-    check_that("triangle without area: left out", studio.scene.objects.is_empty());
+    check_that("triangle without area: left out", studio.scene.geometry.objects.is_empty());
     check_that("triangle without area: a warning", studio.warnings.iter().any(|w| w.contains("no area")));
 }
 
@@ -139,7 +139,7 @@ fn of_the_size_of_the_smallest_floats() {
         let hit = studio.hit(&ray([1e-45, 1e-45, 1e-44], [0.0, 0.0, -1.0]));
         check_that(
             "triangle of size 4e-45: hit",
-            hit.is_some_and(|hit| (f64::from(hit.at.t) / 1e-44 - 1.0).abs() < 1e-12),
+            hit.is_some_and(|hit| (f64::from(hit.surface.t) / 1e-44 - 1.0).abs() < 1e-12),
         );
         check_that(
             "triangle of size 4e-45: missed beside it",

@@ -5,7 +5,6 @@ mod determinism;
 mod golden;
 #[cfg(not(feature = "f32"))]
 mod reference;
-mod runs;
 mod statements;
 mod statistics;
 #[path = "../support/mod.rs"]

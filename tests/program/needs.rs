@@ -94,7 +94,7 @@ fn a_mesh_that_is_used_twice_is_stored_once() {
     let Ok(Request::Render(args)) = parse(argv) else { panic!() };
     let plan = a2::plan::Plan::new(&args, &source);
     let scene = a2::scene::compile(&source, &plan).unwrap().scene;
-    assert_eq!((scene.objects.len(), scene.meshes.len()), (4, 1));
+    assert_eq!((scene.geometry.objects.len(), scene.geometry.meshes.len()), (4, 1));
 }
 
 #[test]
