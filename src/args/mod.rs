@@ -118,7 +118,7 @@ fn instruction_set(typed: &Typed) -> Result<InstructionSet, Error> {
     let name = name.to_string_lossy();
     let names = InstructionSet::NAMES;
     if !names.contains(&&*name) && name != "scalar" {
-        return Err(usage_error("simd", format!("expected {}, found '{name}'", names.join(" or "))));
+        return Err(usage_error("simd", format!("expected one of {}, found '{name}'", names.join(", "))));
     }
     InstructionSet::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
 }

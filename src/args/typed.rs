@@ -47,7 +47,7 @@ pub(super) const FLAGS: &[Flag] = &[
     ),
     ("threads", &["N"], "Worker threads [default: one per processor]"),
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
-    ("simd", &["LEVEL"], "scalar or avx2, same pictures [default: the best this processor has]"),
+    ("simd", &["NAME"], "Instruction set: sse2, avx2 or avx512, same pictures [default: the best here]"),
     ("stats", &[], "Table of times, rays, memory and estimated error on standard error"),
     ("report", &["FILE"], "The same as JSON; with either, samples are taken in two independent halves"),
     ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),

@@ -44,6 +44,9 @@ pub enum InstructionSet {
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::x86::Avx2),
+    /// AVX-512 as processors since Ice Lake and Zen 4 have it.
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::x86::Avx512),
 }
 
 /// Evaluates an expression with the token of an instruction set as `$simd`; it is compiled once for each.
@@ -54,15 +57,17 @@ macro_rules! with_simd {
             $crate::simd::InstructionSet::Baseline($simd) => $body,
             #[cfg(target_arch = "x86_64")]
             $crate::simd::InstructionSet::Avx2($simd) => $body,
+            #[cfg(target_arch = "x86_64")]
+            $crate::simd::InstructionSet::Avx512($simd) => $body,
         }
     };
 }
 pub use with_simd;
 
 impl InstructionSet {
-    /// The names of this target's instruction sets, the baseline first.
+    /// The names of this target's instruction sets, the slowest first.
     #[cfg(target_arch = "x86_64")]
-    pub const NAMES: &[&str] = &["sse2", "avx2"];
+    pub const NAMES: &[&str] = &["sse2", "avx2", "avx512"];
     #[cfg(target_arch = "aarch64")]
     pub const NAMES: &[&str] = &["neon"];
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -97,6 +102,8 @@ impl InstructionSet {
     pub fn named(name: &str) -> Option<Self> {
         match name {
             #[cfg(target_arch = "x86_64")]
+            #[cfg(target_arch = "x86_64")]
+            "avx512" => fearless_simd::Level::new().as_avx512().map(Self::Avx512),
             "avx2" => fearless_simd::Level::new().as_avx2().map(Self::Avx2),
             _ if name == Self::NAMES[0] || name == "scalar" => Some(Self::baseline()),
             _ => None,
@@ -108,6 +115,8 @@ impl InstructionSet {
             Self::Baseline(_) => Self::NAMES[0],
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => "avx512",
         }
     }
 }
