@@ -3,6 +3,7 @@
 mod antialiasing;
 mod determinism;
 mod golden;
+mod plain;
 #[cfg(not(feature = "f32"))]
 mod reference;
 mod statements;

@@ -1,0 +1,136 @@
+//! The rule that holds the wide renderer: with `-plain`, which follows one ray at a time by the definition in
+//! `src/trace.rs`, every picture is the same to the bit, before anything is rounded to bytes.
+
+use crate::support::{Folder, project};
+use a2::args::{Request, parse};
+use a2::film::Film;
+use a2::options::Options;
+use a2::simd::InstructionSet;
+use std::ffi::OsString;
+use std::path::Path;
+
+const SCENES: [&str; 7] = [
+    "scene01_plane.txt",
+    "scene02_cube.txt",
+    "scene03_sphere.txt",
+    "scene04_axes.txt",
+    "scene05_bunny_200.txt",
+    "scene06_bunny_1k.txt",
+    "scene07_arch.txt",
+];
+
+/// Every flag that changes what rays do or how they are sampled.
+const FLAGS: [&str; 14] = [
+    "",
+    "-shadows",
+    "-bounces 4",
+    "-bounces 4 -shadows",
+    "-jitter",
+    "-filter",
+    "-jitter -filter -bounces 2 -shadows",
+    "-robust -bounces 4 -shadows",
+    "-epsilon auto -bounces 4 -shadows",
+    "-epsilon 1e-4 -bounces 4 -shadows",
+    "-robust -epsilon 0.02 -bounces 3 -shadows",
+    "-samples 5 -sampler sobol -bounces 1 -seed 7 -stats",
+    "-samples 3 -sampler independent -filter -stats",
+    "-target-error 4 -bounces 2 -shadows",
+];
+
+fn options(scene: &Path, flags: &str) -> Options {
+    let pictures = "-output c.png -normals n.png -depth 8 18 d.png";
+    let argv = format!("-input {} {pictures} -size 33 21 -quiet {flags}", scene.display());
+    match parse(argv.split_whitespace().map(OsString::from)) {
+        Ok(Request::Render(mut options)) => {
+            options.measure.keep_linear = true;
+            *options
+        }
+        other => panic!("{argv}: {other:?}"),
+    }
+}
+
+/// All numbers of all planes.
+fn bits(film: &Film) -> [Option<Vec<u32>>; 4] {
+    let bytes = |plane: &Option<Vec<u8>>| plane.as_ref().map(|plane| plane.iter().map(|&b| b.into()).collect());
+    let linear = film.linear.as_ref().map(|plane| plane.iter().map(|number| number.to_bits()).collect());
+    [linear, bytes(&film.color), bytes(&film.normals), bytes(&film.depth)]
+}
+
+/// Renders plainly and wide with every instruction set, and compares.
+fn check(scene: &Path, flags: &str) {
+    let mut plain = options(scene, flags);
+    plain.plain = true;
+    let expected = a2::render_scene(&plain).unwrap();
+    assert!(expected.frame.film.linear.is_some());
+    let sets = InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name));
+    for set in sets {
+        let wide = Options { simd: set, plain: false, ..plain.clone() };
+        let found = a2::render_scene(&wide).unwrap();
+        assert!(bits(&found.frame.film) == bits(&expected.frame.film), "{} {flags}: {set}", scene.display());
+        assert_eq!(found.frame.counts, expected.frame.counts, "{} {flags}: {set}", scene.display());
+    }
+}
+
+#[test]
+fn plain_and_wide_pictures_are_the_same_to_the_bit() {
+    for scene in SCENES {
+        for flags in FLAGS {
+            check(&project("data").join(scene), flags);
+        }
+    }
+}
+
+/// Forty balls need the tree of objects; stretched ones, a plane and a triangle stand among them.
+#[test]
+fn so_are_those_of_many_objects() {
+    let mut objects = String::new();
+    for i in 0..40 {
+        let (x, y, z) = (i % 7 - 3, i / 7 - 3, (i * 5) % 4 - 2);
+        let ball = format!("Sphere {{ center 0 0 0 radius 0.{} }}", 3 + i % 5);
+        objects += &format!("MaterialIndex {} ", i % 3);
+        objects += &match i % 4 {
+            0 => format!("Sphere {{ center {x} {y} {z} radius 0.5 }}\n"),
+            1 => format!("Transform {{ Translate {x} {y} {z} Scale 1 0.4 1.5 {ball} }}\n"),
+            2 => format!("Transform {{ Translate {x} {y} {z} YRotate {} {ball} }}\n", 10 * i),
+            _ => format!("Triangle {{ vertex0 {x} {y} {z} vertex1 {x} {y} 4 vertex2 0 {x} {y} }}\n"),
+        };
+    }
+    let scene = format!(
+        "PerspectiveCamera {{ center 0 0 14 direction 0 0 -1 up 0 1 0 angle 30 }}
+        Lights {{ numLights 3 PointLight {{ position 4 6 5 color 1 0.9 0.8 falloff 0.01 }}
+            DirectionalLight {{ direction 1 -1 -1 color 0.4 0.5 0.6 }}
+            PointLight {{ position 0 0 0 color 1 1 1 }} }}
+        Background {{ color 0.2 0.1 0.4 ambientLight 0.1 0.1 0.1 }}
+        Materials {{ numMaterials 3 Material {{ diffuseColor 1 0.2 0.1 specularColor 1 1 1 shininess 20 }}
+            Material {{ diffuseColor 0.1 0.5 0.1 shininess 2.5 }} Material {{ specularColor 0.9 1.3 0.8 }} }}
+        Group {{ numObjects 41 MaterialIndex 0 Plane {{ normal 0 2 0 offset -8 }}
+        {objects} }}"
+    );
+    let folder = Folder::new();
+    folder.write("s.txt", scene);
+    // The third light is infinite, so that no number of samples reaches a target error.
+    for flags in FLAGS.into_iter().filter(|flags| !flags.contains("-target-error")) {
+        check(&folder.path("s.txt"), flags);
+    }
+}
+
+/// Two mirrors that face each other end no path: the stack must not grow with `-bounces`.
+#[test]
+fn a_hundred_thousand_bounces_need_no_stack() {
+    let folder = Folder::new();
+    folder.write(
+        "s.txt",
+        "PerspectiveCamera { center 0 0 0 direction 0.3 0.2 -1 up 0 1 0 angle 30 }
+        Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 0.1 0.1 0.1 } }
+        Materials { numMaterials 1 Material { diffuseColor 0.1 0.1 0.1 specularColor 1 1 1 shininess 5 } }
+        Group { numObjects 2 MaterialIndex 0 Plane { normal 0 0 1 offset -1 } Plane { normal 0 0 -1 offset -1 } }",
+    );
+    let mut options = options(&folder.path("s.txt"), "-bounces 100000");
+    (options.width, options.height, options.plain) = (2, 1, true);
+    let plain = a2::render_scene(&options).unwrap().frame;
+    options.plain = false;
+    let wide = a2::render_scene(&options).unwrap().frame;
+    assert_eq!(plain.counts.mirror, 200_000);
+    assert_eq!(plain.counts, wide.counts);
+    assert!(bits(&plain.film) == bits(&wide.film));
+}
