@@ -1,11 +1,11 @@
 //! Renders all pixels with the same number of samples each, tile by tile, over all threads.
 
 use super::error_estimate::ErrorSums;
+use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, average, filtered, store};
 use super::rays::{RayMaker, SetSizes};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::trace::{RUNS_AT_ONCE, Seen, Tracer};
-use super::{Frame, SampleCounts};
 use crate::camera::Places;
 use crate::film::{Film, Planes};
 use crate::objects::run::{RUN, Rays};
