@@ -4,7 +4,7 @@
 //! PFM (Debevec's portable float map): `PF`, width and height, `-1.0` for little-endian, then three `f32` a pixel, rows
 //! from the bottom.
 
-use super::write_whole;
+use super::encode::write_whole;
 use crate::error::Error;
 use crate::options::has_extension;
 use image::{DynamicImage, ImageFormat, Rgb32FImage};

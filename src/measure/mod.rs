@@ -5,6 +5,7 @@ mod convergence;
 mod reference;
 mod report;
 mod report_text;
+mod ssim;
 
 pub use compare::{Comparison, compare_files};
 pub use convergence::{Point, csv, render_doubling};

@@ -5,11 +5,10 @@
 //! for nobody knows the reference's fractions.
 
 use super::compare::read_rgb;
+use super::ssim::ssim;
 use crate::error::Error;
 use crate::film::{Film, NumberPicture, read_numbers, to_byte};
 use crate::options::{Options, has_extension};
-use image::RgbImage;
-use image_compare::{Algorithm, rgb_similarity_structure};
 use std::fmt;
 use std::path::Path;
 use vecmath::Real;
@@ -37,9 +36,7 @@ pub struct TrueError {
     pub worst_pixel: (u32, u32),
     /// Share of pixels with a channel more than one level off.
     pub share_over_one_level: f64,
-    /// Structural similarity (Wang et al., Image Quality Assessment: From Error Visibility to Structural Similarity,
-    /// IEEE TIP 13(4), 2004) of the bytes of both pictures, in windows of 8 x 8, of the worst channel, by the crate
-    /// `image-compare`: 1 for equal pictures.
+    /// Structural similarity of the bytes of both pictures (see [`ssim`](super::ssim)): 1 for equal pictures.
     pub ssim: f64,
 }
 
@@ -82,7 +79,10 @@ impl Reference {
         } else {
             linear
         };
-        Some(TrueError { ssim: self.ssim(bytes), ..self.differences(numbers) })
+        Some(TrueError {
+            ssim: ssim(&self.bytes(), bytes, self.picture.width as usize),
+            ..self.differences(numbers)
+        })
     }
 
     fn differences(&self, numbers: &[f32]) -> TrueError {
@@ -117,18 +117,14 @@ impl Reference {
         }
     }
 
-    fn ssim(&self, bytes: &[u8]) -> f64 {
-        let (width, height) = (self.picture.width, self.picture.height);
-        let reference: Vec<u8> = if self.is_bytes {
-            self.picture.numbers.iter().map(|&number| (number * 255.0).round() as u8).collect()
+    /// The reference as a picture of bytes shows it.
+    fn bytes(&self) -> Vec<u8> {
+        let numbers = self.picture.numbers.iter();
+        if self.is_bytes {
+            numbers.map(|&number| (number * 255.0).round() as u8).collect()
         } else {
-            self.picture.numbers.iter().map(|&number| to_byte(Real::from(number))).collect()
-        };
-        let picture = |bytes| RgbImage::from_raw(width, height, bytes).unwrap_or_default();
-        let pictures = [picture(reference), picture(bytes.to_vec())];
-        // It refuses nothing but pictures of different sizes.
-        let similarity = rgb_similarity_structure(&Algorithm::MSSIMSimple, &pictures[0], &pictures[1]);
-        similarity.map_or(f64::NAN, |similarity| similarity.score)
+            numbers.map(|&number| to_byte(Real::from(number))).collect()
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::error_estimate::ErrorSums;
+use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, store};
 use super::preview::Preview;
 use super::rays::{RayMaker, SetSizes};
@@ -15,7 +16,6 @@ use super::tile_samples::TileSamples;
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::tracer;
 use super::uniform::RAYS_AT_ONCE;
-use super::{Frame, SampleCounts};
 use crate::camera::Place;
 use crate::film::{Film, Planes};
 use crate::options::{Options, SamplerKind};

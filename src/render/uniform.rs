@@ -1,11 +1,11 @@
 //! Renders all pixels with the same number of samples each, tile by tile, over all threads.
 
 use super::error_estimate::ErrorSums;
+use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, average, filtered, store};
 use super::rays::{RayMaker, SetSizes};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
-use super::{Frame, SampleCounts};
 use crate::camera::Place;
 use crate::film::{Film, Planes};
 use crate::options::Options;

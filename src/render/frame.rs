@@ -1,4 +1,22 @@
-//! [`SampleCounts`]: how many samples the pixels of a picture got.
+//! [`Frame`]: what rendering gives.
+
+use super::error_estimate::ErrorEstimate;
+use crate::film::Film;
+use crate::ray_counts::RayCounts;
+use std::time::Duration;
+
+/// The pixels of a picture, and what they cost.
+#[derive(Debug)]
+pub struct Frame {
+    pub film: Film,
+    /// The rays traced for it.
+    pub counts: RayCounts,
+    pub samples: SampleCounts,
+    /// How wrong the colours are; `None` where nothing is random, or too few samples were taken to tell.
+    pub estimate: Option<ErrorEstimate>,
+    /// Time that all threads together spent on turning samples into pixels; zero unless it was measured.
+    pub filter: Duration,
+}
 
 /// How many samples the pixels of a picture got.
 #[derive(Clone, Copy, Debug, Default)]
