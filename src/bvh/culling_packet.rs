@@ -3,7 +3,7 @@
 use super::single::DONE;
 use super::space::{self, CullingRay, CullingSpace};
 use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in, span};
-use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat};
+use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat, vectorize};
 use fearless_simd::prelude::*;
 use vecmath::Real;
 
@@ -62,40 +62,37 @@ impl CullingPacket {
         active: u64,
         t_max: &Scalars,
     ) -> (u64, u64) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                self.limit = Self::EMPTY.limit;
-                // 0: missed, 1: entered, 2: unbounded.
-                let mut states = [[0.0f32; WIDTH]; GROUPS];
-                // Apart from `self`, because the compiler does not see that these `f64` do not overlap its `f32`.
-                let (mut start, mut rate) = ([0.0; PACKET], [1.0; PACKET]);
-                for lane in span(active) {
-                    let ray = rays.get_prepared(lane);
-                    let (meets, entry) = space.bounds().entry_branchless(&ray, 0.0, t_max[lane]);
-                    // A lane that is not active must stay out: it would widen the traversal.
-                    let is_active = has_lane(active, lane);
-                    let is_bounded = space.is_bounded(&ray.ray);
-                    let moved = space.moved(&ray, entry);
-                    let limit = moved.limit(t_max[lane]);
-                    let state = if meets { 1.0 } else { 0.0 };
-                    let state = if is_bounded { state } else { 2.0 };
-                    states.as_flattened_mut()[lane] = if is_active { state } else { 0.0 };
-                    (start[lane], rate[lane]) = (moved.start, moved.rate);
-                    self.set(lane, &moved, if meets & is_bounded & is_active { limit } else { DONE });
-                }
-                (self.start, self.rate) = (start, rate);
-                let (mut entered, mut unbounded) = (0, 0);
-                for (group, states) in states.iter().enumerate() {
-                    let states = load(simd, states);
-                    let from_one = u64::from(bits_of(splat(simd, 1.0).simd_le(states)));
-                    let from_two = u64::from(bits_of(splat(simd, 2.0).simd_le(states)));
-                    entered |= (from_one & !from_two) << (WIDTH * group);
-                    unbounded |= from_two << (WIDTH * group);
-                }
-                (entered, unbounded)
-            },
-        )
+        vectorize!(simd, {
+            self.limit = Self::EMPTY.limit;
+            // 0: missed, 1: entered, 2: unbounded.
+            let mut states = [[0.0f32; WIDTH]; GROUPS];
+            // Apart from `self`, because the compiler does not see that these `f64` do not overlap its `f32`.
+            let (mut start, mut rate) = ([0.0; PACKET], [1.0; PACKET]);
+            for lane in span(active) {
+                let ray = rays.get_prepared(lane);
+                let (meets, entry) = space.bounds().entry_branchless(&ray, 0.0, t_max[lane]);
+                // A lane that is not active must stay out: it would widen the traversal.
+                let is_active = has_lane(active, lane);
+                let is_bounded = space.is_bounded(&ray.ray);
+                let moved = space.moved(&ray, entry);
+                let limit = moved.limit(t_max[lane]);
+                let state = if meets { 1.0 } else { 0.0 };
+                let state = if is_bounded { state } else { 2.0 };
+                states.as_flattened_mut()[lane] = if is_active { state } else { 0.0 };
+                (start[lane], rate[lane]) = (moved.start, moved.rate);
+                self.set(lane, &moved, if meets & is_bounded & is_active { limit } else { DONE });
+            }
+            (self.start, self.rate) = (start, rate);
+            let (mut entered, mut unbounded) = (0, 0);
+            for (group, states) in states.iter().enumerate() {
+                let states = load(simd, states);
+                let from_one = u64::from(bits_of(splat(simd, 1.0).simd_le(states)));
+                let from_two = u64::from(bits_of(splat(simd, 2.0).simd_le(states)));
+                entered |= (from_one & !from_two) << (WIDTH * group);
+                unbounded |= from_two << (WIDTH * group);
+            }
+            (entered, unbounded)
+        })
     }
 
     /// Sets a ray, but for its start and rate.

@@ -14,6 +14,7 @@
 
 pub mod build;
 mod culling_packet;
+mod leaf_visitor;
 mod node;
 mod packet;
 mod packet_bounds;
@@ -25,8 +26,9 @@ mod stream;
 mod triangle_block;
 
 pub use culling_packet::{CullingPacket, GROUPS};
+pub use leaf_visitor::LeafVisitor;
 pub use node::Bvh;
-pub use packet::{FEW, LeafVisitor, TraversalScratch};
+pub use packet::{FEW, TraversalScratch};
 pub use packet_bounds::PacketBounds;
 pub use shaft::Shaft;
 pub use single::DONE;

@@ -6,12 +6,11 @@
 //! not: every leaf that a ray may hit is visited.
 
 use super::culling_packet::{CullingPacket, GROUPS};
+use super::leaf_visitor::{LeafVisitor, traverse_singly};
 use super::node::{Bvh, Child, Node};
 use super::shaft::Shaft;
-use super::single::{DONE, EMPTY_STACK, traverse_from};
 use super::stream::{self, Stream};
-use crate::simd::packet::lanes_in;
-use crate::simd::{Simd, WIDTH, bits_of, load, splat};
+use crate::simd::{Simd, WIDTH, bits_of, load, splat, vectorize};
 use fearless_simd::prelude::*;
 
 /// So few rays of a packet are traversed one by one.
@@ -34,28 +33,6 @@ impl TraversalScratch {
     pub const EMPTY: Self = Self { packet: CullingPacket::EMPTY, pending: [(0, 0, 0, 0.0); STACK], stream: None };
 }
 
-/// What is done at the leaves. Everything here is `#[inline(always)]`, because it uses lanes.
-pub trait LeafVisitor<S: Simd> {
-    /// Tests the items of a leaf for the active rays, and lowers their limits. If there is a shaft, it is around them all.
-    fn visit(&mut self, simd: S, leaf: usize, active: u64, shaft: Option<&Shaft>, packet: &mut CullingPacket);
-
-    /// Returns which of the up to eight items of a leaf one ray may hit.
-    fn candidates(&self, simd: S, leaf: usize, lane: usize, packet: &CullingPacket) -> u32;
-
-    /// Tests one item of a leaf for one ray, and lowers the ray's limit.
-    fn test(&mut self, simd: S, leaf: usize, item: u32, lane: usize, packet: &mut CullingPacket);
-
-    /// Tests the items of a leaf for one ray, and lowers its limit.
-    #[inline(always)]
-    fn visit_single(&mut self, simd: S, leaf: usize, lane: usize, packet: &mut CullingPacket) {
-        let mut candidates = self.candidates(simd, leaf, lane, packet);
-        while candidates != 0 && packet.limit(lane) > DONE {
-            self.test(simd, leaf, candidates.trailing_zeros(), lane, packet);
-            candidates &= candidates - 1;
-        }
-    }
-}
-
 impl<Leaf> Bvh<Leaf> {
     /// Has `visitor` visit every leaf whose box an active ray of `scratch.packet` may meet at a t up to its limit.
     pub fn traverse_packet<S: Simd>(
@@ -69,48 +46,45 @@ impl<Leaf> Bvh<Leaf> {
             return;
         }
         let TraversalScratch { packet, pending, stream } = scratch;
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                let shaft = Shaft::around(simd, packet, active);
-                let mut height = 0;
-                let mut current = Some((Child::node(0), active));
-                loop {
-                    if let Some((child, active)) = current.take() {
-                        if child.is_leaf() {
-                            visitor.visit(simd, child.index(), active, shaft.as_ref(), packet);
-                        } else if active.count_ones() <= FEW {
-                            traverse_singly(simd, &self.nodes, child, active, packet, visitor);
-                        } else if shaft.is_none() || height + WIDTH > STACK {
-                            let stream = stream.get_or_insert_with(|| Box::new(Stream::EMPTY));
-                            stream::traverse(simd, &self.nodes, child, active, packet, stream, visitor);
-                        } else if let Some(shaft) = &shaft {
-                            let node = &self.nodes[child.index()];
-                            let [a, b, c, d, e, f] = &node.planes;
-                            let (lower, upper) = (
-                                [load(simd, a), load(simd, b), load(simd, c)],
-                                [load(simd, d), load(simd, e), load(simd, f)],
-                            );
-                            let planes = [lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]];
-                            let (met, enter) = shaft.intersect(simd, &planes, packet.largest_limit(simd));
-                            let mut distances = [0.0; WIDTH];
-                            enter.store_array(&mut distances);
-                            push(pending, &mut height, child.index() as u32, met, active, &distances);
-                        }
-                    }
-                    if height == 0 {
-                        return;
-                    }
-                    height -= 1;
-                    let (node, place, active, _) = pending[height];
-                    let (node, place) = (&self.nodes[node as usize], place as usize % WIDTH);
-                    let active = intersect_box(simd, packet, node, place, active);
-                    if active != 0 {
-                        current = Some((node.children[place], active));
+        vectorize!(simd, {
+            let shaft = Shaft::around(simd, packet, active);
+            let mut height = 0;
+            let mut current = Some((Child::node(0), active));
+            loop {
+                if let Some((child, active)) = current.take() {
+                    if child.is_leaf() {
+                        visitor.visit(simd, child.index(), active, shaft.as_ref(), packet);
+                    } else if active.count_ones() <= FEW {
+                        traverse_singly(simd, &self.nodes, child, active, packet, visitor);
+                    } else if shaft.is_none() || height + WIDTH > STACK {
+                        let stream = stream.get_or_insert_with(|| Box::new(Stream::EMPTY));
+                        stream::traverse(simd, &self.nodes, child, active, packet, stream, visitor);
+                    } else if let Some(shaft) = &shaft {
+                        let node = &self.nodes[child.index()];
+                        let [a, b, c, d, e, f] = &node.planes;
+                        let (lower, upper) = (
+                            [load(simd, a), load(simd, b), load(simd, c)],
+                            [load(simd, d), load(simd, e), load(simd, f)],
+                        );
+                        let planes = [lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]];
+                        let (met, enter) = shaft.intersect(simd, &planes, packet.largest_limit(simd));
+                        let mut distances = [0.0; WIDTH];
+                        enter.store_array(&mut distances);
+                        push(pending, &mut height, child.index() as u32, met, active, &distances);
                     }
                 }
-            },
-        );
+                if height == 0 {
+                    return;
+                }
+                height -= 1;
+                let (node, place, active, _) = pending[height];
+                let (node, place) = (&self.nodes[node as usize], place as usize % WIDTH);
+                let active = intersect_box(simd, packet, node, place, active);
+                if active != 0 {
+                    current = Some((node.children[place], active));
+                }
+            }
+        });
     }
 }
 
@@ -161,33 +135,4 @@ fn intersect_box<S: Simd>(simd: S, packet: &CullingPacket, node: &Node, place: u
         met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
     }
     met
-}
-
-/// Traverses what is below a node for the active rays, one after the other.
-#[inline(always)]
-pub fn traverse_singly<S: Simd>(
-    simd: S,
-    nodes: &[Node],
-    start: Child,
-    active: u64,
-    packet: &mut CullingPacket,
-    visitor: &mut impl LeafVisitor<S>,
-) {
-    let mut stack = EMPTY_STACK;
-    for lane in lanes_in(active) {
-        let (ray, limit) = (packet.ray(lane), packet.limit(lane));
-        traverse_from(
-            simd,
-            nodes,
-            start,
-            &ray,
-            limit,
-            &mut stack,
-            #[inline(always)]
-            |leaf, _| {
-                visitor.visit_single(simd, leaf, lane, packet);
-                packet.limit(lane)
-            },
-        );
-    }
 }

@@ -9,7 +9,7 @@
 use super::culling_packet::GROUPS;
 use crate::objects::Aabb;
 use crate::simd::packet::{PACKET, RayPacket, span};
-use crate::simd::{Eight, Range, Simd, WIDTH, bits_of, flip_sign, load, load3, mask_of, splat};
+use crate::simd::{Eight, Range, Simd, WIDTH, bits_of, flip_sign, load, load3, mask_of, splat, vectorize};
 use fearless_simd::prelude::*;
 use vecmath::{Real, Vector3};
 
@@ -47,13 +47,10 @@ impl PacketBounds {
 
     /// Replaces all rays by the active ones.
     pub fn fill<S: Simd>(&mut self, simd: S, rays: &RayPacket, active: u64) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                self.round_rays(rays, active);
-                self.invert(simd, active);
-            },
-        );
+        vectorize!(simd, {
+            self.round_rays(rays, active);
+            self.invert(simd, active);
+        });
     }
 
     /// Rounds origins and directions. They are put where [`invert`](Self::invert) replaces them by what is tested.
@@ -119,44 +116,40 @@ impl PacketBounds {
     /// Returns the active rays that may meet a box at any t above 0. `sideways_error` is the object's; see
     /// [`Object`](crate::objects::Object).
     pub fn intersect<S: Simd>(&self, simd: S, bounds: &Aabb, sideways_error: Real, active: u64) -> u64 {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                let lower = (bounds.min - self.center).to_array().map(|c| c as f32);
-                let upper = (bounds.max - self.center).to_array().map(|c| c as f32);
-                let largest = lower.iter().chain(&upper).fold(self.reach, |largest, c| largest.max(c.abs()));
-                // Written so that NaN culls nothing.
-                if !(self.reach <= LARGEST_COORDINATE && largest <= LARGEST_COORDINATE) {
-                    return active;
+        vectorize!(simd, {
+            let lower = (bounds.min - self.center).to_array().map(|c| c as f32);
+            let upper = (bounds.max - self.center).to_array().map(|c| c as f32);
+            let largest = lower.iter().chain(&upper).fold(self.reach, |largest, c| largest.max(c.abs()));
+            // Written so that NaN culls nothing.
+            if !(self.reach <= LARGEST_COORDINATE && largest <= LARGEST_COORDINATE) {
+                return active;
+            }
+            // The sideways error is doubled for its own rounding to `f32`. Below the range of `f32` all of the margin
+            // would be rounding.
+            let margin = largest * MARGIN + (2.0 * sideways_error * self.world_reach) as f32 + f32::MIN_POSITIVE;
+            let (lower, upper) = (lower.map(|c| c - margin), upper.map(|c| c + margin));
+            if !self.may_meet(lower, upper) {
+                return 0;
+            }
+            let mut met = 0;
+            for group in 0..GROUPS {
+                let here = active >> (WIDTH * group) & 0xff;
+                if here == 0 {
+                    continue;
                 }
-                // The sideways error is doubled for its own rounding to `f32`. Below the range of `f32` all of the margin
-                // would be rounding.
-                let margin =
-                    largest * MARGIN + (2.0 * sideways_error * self.world_reach) as f32 + f32::MIN_POSITIVE;
-                let (lower, upper) = (lower.map(|c| c - margin), upper.map(|c| c + margin));
-                if !self.may_meet(lower, upper) {
-                    return 0;
+                let (mut near, mut far) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
+                for axis in 0..3 {
+                    let inverse = load(simd, &self.inverse[axis][group]);
+                    let product = load(simd, &self.origin_times_inverse[axis][group]);
+                    let a = splat(simd, lower[axis]).mul_sub(inverse, product);
+                    let b = splat(simd, upper[axis]).mul_sub(inverse, product);
+                    near = near.max(a.min(b));
+                    far = far.min(a.max(b));
                 }
-                let mut met = 0;
-                for group in 0..GROUPS {
-                    let here = active >> (WIDTH * group) & 0xff;
-                    if here == 0 {
-                        continue;
-                    }
-                    let (mut near, mut far) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
-                    for axis in 0..3 {
-                        let inverse = load(simd, &self.inverse[axis][group]);
-                        let product = load(simd, &self.origin_times_inverse[axis][group]);
-                        let a = splat(simd, lower[axis]).mul_sub(inverse, product);
-                        let b = splat(simd, upper[axis]).mul_sub(inverse, product);
-                        near = near.max(a.min(b));
-                        far = far.min(a.max(b));
-                    }
-                    met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
-                }
-                met
-            },
-        )
+                met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
+            }
+            met
+        })
     }
 
     /// Returns whether any ray may meet a box at a t from 0 on, by intervals of t that hold for all rays.

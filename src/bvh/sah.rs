@@ -5,7 +5,7 @@
 //! counts come out the same in any order.
 
 use super::space::Planes;
-use crate::simd::{Eight, Simd, WIDTH, load, splat};
+use crate::simd::{Eight, Simd, WIDTH, load, splat, vectorize};
 use fearless_simd::prelude::*;
 use rayon::prelude::*;
 use std::array::from_fn;
@@ -81,17 +81,14 @@ impl Enclosing {
 
     pub fn of<S: Simd>(simd: S, items: &[Item]) -> Self {
         let of_part = |items: &[Item]| {
-            simd.vectorize(
-                #[inline(always)]
-                move || {
-                    let mut enclosing = Self::EMPTY;
-                    for item in items {
-                        enclosing.boxes.add(simd, &item.0);
-                        enclosing.centers.add(simd, &item.center());
-                    }
-                    enclosing
-                },
-            )
+            vectorize!(simd, {
+                let mut enclosing = Self::EMPTY;
+                for item in items {
+                    enclosing.boxes.add(simd, &item.0);
+                    enclosing.centers.add(simd, &item.center());
+                }
+                enclosing
+            })
         };
         let merged =
             |a: Self, b: Self| Self { boxes: a.boxes.merged(b.boxes), centers: a.centers.merged(b.centers) };
@@ -193,48 +190,42 @@ impl Bins {
 
     /// Adds items.
     fn fill<S: Simd>(&mut self, simd: S, items: &[Item], grid: &Grid) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for item in items {
-                    for axis in 0..3 {
-                        let bin = grid.bin_of(item, axis);
-                        self.bounds[axis][bin].add(simd, &item.0);
-                        self.counts[axis][bin] += 1;
-                    }
+        vectorize!(simd, {
+            for item in items {
+                for axis in 0..3 {
+                    let bin = grid.bin_of(item, axis);
+                    self.bounds[axis][bin].add(simd, &item.0);
+                    self.counts[axis][bin] += 1;
                 }
-            },
-        );
+            }
+        });
     }
 
     /// Returns axis and plane of the cheapest split; `None` if all centres lie in one bin.
     fn cheapest_split<S: Simd>(&self, simd: S, grid: &Grid, cost: impl Fn(u32) -> f32) -> Option<(usize, usize)> {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                let (mut least, mut best) = (f32::INFINITY, None);
-                for (axis, (bounds, counts)) in self.bounds.iter().zip(&self.counts).enumerate() {
-                    // Where a side is empty the product is infinite or NaN, and never the least.
-                    let mut right = [0.0; BINS];
-                    let (mut around, mut count) = (Bounds::EMPTY, 0);
-                    for plane in (1..grid.bins).rev() {
-                        around.add(simd, &bounds[plane].0);
-                        count += counts[plane];
-                        right[plane] = around.half_area() * cost(count);
-                    }
-                    let (mut around, mut count) = (Bounds::EMPTY, 0);
-                    for plane in 1..grid.bins {
-                        around.add(simd, &bounds[plane - 1].0);
-                        count += counts[plane - 1];
-                        let cost = around.half_area() * cost(count) + right[plane];
-                        if cost < least {
-                            (least, best) = (cost, Some((axis, plane)));
-                        }
+        vectorize!(simd, {
+            let (mut least, mut best) = (f32::INFINITY, None);
+            for (axis, (bounds, counts)) in self.bounds.iter().zip(&self.counts).enumerate() {
+                // Where a side is empty the product is infinite or NaN, and never the least.
+                let mut right = [0.0; BINS];
+                let (mut around, mut count) = (Bounds::EMPTY, 0);
+                for plane in (1..grid.bins).rev() {
+                    around.add(simd, &bounds[plane].0);
+                    count += counts[plane];
+                    right[plane] = around.half_area() * cost(count);
+                }
+                let (mut around, mut count) = (Bounds::EMPTY, 0);
+                for plane in 1..grid.bins {
+                    around.add(simd, &bounds[plane - 1].0);
+                    count += counts[plane - 1];
+                    let cost = around.half_area() * cost(count) + right[plane];
+                    if cost < least {
+                        (least, best) = (cost, Some((axis, plane)));
                     }
                 }
-                best
-            },
-        )
+            }
+            best
+        })
     }
 }
 
@@ -247,31 +238,28 @@ fn partition<S: Simd>(
     axis: usize,
     plane: usize,
 ) -> (usize, [Bounds; 2]) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            let mut centers = [splat(simd, f32::INFINITY); 2];
-            let mut first = 0;
-            for place in 0..items.len() {
-                // No branch, because nothing predicts on which side the next item lies.
-                let item = items[place];
-                let is_first = grid.bin_of(&item, axis).wrapping_sub(plane) >> (usize::BITS - 1);
-                items[place] = items[first];
-                items[first] = item;
-                first += is_first;
-                let center = load(simd, &item.center());
-                let lift = splat(simd, f32::from_bits(f32::INFINITY.to_bits() | (is_first as u32) << 31));
-                centers[0] = centers[0].min(center.max(lift));
-                centers[1] = centers[1].min(center.max(-lift));
-            }
-            let stored = centers.map(|center| {
-                let mut bounds = Bounds::EMPTY;
-                center.store_array(&mut bounds.0);
-                bounds
-            });
-            (first, stored)
-        },
-    )
+    vectorize!(simd, {
+        let mut centers = [splat(simd, f32::INFINITY); 2];
+        let mut first = 0;
+        for place in 0..items.len() {
+            // No branch, because nothing predicts on which side the next item lies.
+            let item = items[place];
+            let is_first = grid.bin_of(&item, axis).wrapping_sub(plane) >> (usize::BITS - 1);
+            items[place] = items[first];
+            items[first] = item;
+            first += is_first;
+            let center = load(simd, &item.center());
+            let lift = splat(simd, f32::from_bits(f32::INFINITY.to_bits() | (is_first as u32) << 31));
+            centers[0] = centers[0].min(center.max(lift));
+            centers[1] = centers[1].min(center.max(-lift));
+        }
+        let stored = centers.map(|center| {
+            let mut bounds = Bounds::EMPTY;
+            center.store_array(&mut bounds.0);
+            bounds
+        });
+        (first, stored)
+    })
 }
 
 #[cfg(test)]

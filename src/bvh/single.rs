@@ -2,7 +2,7 @@
 
 use super::node::{Bvh, Child, Node};
 use super::space::CullingRay;
-use crate::simd::{Simd, WIDTH, bits_of, f32x8, load, splat, splat3};
+use crate::simd::{Simd, WIDTH, bits_of, f32x8, load, splat, splat3, vectorize};
 use fearless_simd::prelude::*;
 
 /// A limit below every t: the query is answered.
@@ -52,68 +52,57 @@ pub fn traverse_from<S: Simd>(
     stack: &mut Stack,
     mut visit: impl FnMut(usize, f32) -> f32,
 ) -> f32 {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            let lanes = RayLanes::new(simd, ray);
-            let (mut limit, mut height, mut current) = (limit, 0, start);
-            loop {
-                if current.is_leaf() {
-                    limit = visit(current.index(), limit);
+    vectorize!(simd, {
+        let lanes = RayLanes::new(simd, ray);
+        let (mut limit, mut height, mut current) = (limit, 0, start);
+        loop {
+            if current.is_leaf() {
+                limit = visit(current.index(), limit);
+                if limit < 0.0 {
+                    return limit;
+                }
+            } else {
+                let node = &nodes[current.index()];
+                let (mut met, near) = lanes.intersect(simd, node, limit);
+                if met != 0 {
+                    let first = met.trailing_zeros() as usize;
+                    met &= met - 1;
+                    current = node.children[first % WIDTH];
+                    if met == 0 {
+                        continue;
+                    }
+                    let mut distances = [0.0; WIDTH];
+                    near.store_array(&mut distances);
+                    if height + WIDTH <= STACK {
+                        current = push_all_but_nearest(node, first, met, &distances, stack, &mut height);
+                        continue;
+                    }
+                    let met = met | 1 << first;
+                    limit =
+                        traverse_children(simd, nodes, node, met, &distances, ray, limit, &mut |leaf, limit| {
+                            simd.vectorize(
+                                #[inline(always)]
+                                || visit(leaf, limit),
+                            )
+                        });
                     if limit < 0.0 {
                         return limit;
                     }
-                } else {
-                    let node = &nodes[current.index()];
-                    let (mut met, near) = lanes.intersect(simd, node, limit);
-                    if met != 0 {
-                        let first = met.trailing_zeros() as usize;
-                        met &= met - 1;
-                        current = node.children[first % WIDTH];
-                        if met == 0 {
-                            continue;
-                        }
-                        let mut distances = [0.0; WIDTH];
-                        near.store_array(&mut distances);
-                        if height + WIDTH <= STACK {
-                            current = push_all_but_nearest(node, first, met, &distances, stack, &mut height);
-                            continue;
-                        }
-                        let met = met | 1 << first;
-                        limit = traverse_children(
-                            simd,
-                            nodes,
-                            node,
-                            met,
-                            &distances,
-                            ray,
-                            limit,
-                            &mut |leaf, limit| {
-                                simd.vectorize(
-                                    #[inline(always)]
-                                    || visit(leaf, limit),
-                                )
-                            },
-                        );
-                        if limit < 0.0 {
-                            return limit;
-                        }
-                    }
-                }
-                loop {
-                    if height == 0 {
-                        return limit;
-                    }
-                    height -= 1;
-                    let (near, child) = stack[height];
-                    if near <= limit {
-                        current = child;
-                        break;
-                    }
                 }
             }
-        },
-    )
+            loop {
+                if height == 0 {
+                    return limit;
+                }
+                height -= 1;
+                let (near, child) = stack[height];
+                if near <= limit {
+                    current = child;
+                    break;
+                }
+            }
+        }
+    })
 }
 
 /// Traverses the children of a node that are met, one by one: for want of room on the stack. `visit` is `dyn`, because

@@ -6,11 +6,13 @@
 //! are. Every leaf that a ray may hit is visited, as in the other traversals.
 
 use super::culling_packet::CullingPacket;
+use super::leaf_visitor::{LeafVisitor, traverse_singly};
 use super::node::{Child, Node};
-use super::packet::{LeafVisitor, traverse_singly};
 use super::single::DONE;
 use crate::simd::packet::{PACKET, lanes_in};
-use crate::simd::{Simd, WIDTH, bits_of, compress, compress_u32, f32x8, load, mask32x8, places_in, splat};
+use crate::simd::{
+    Simd, WIDTH, bits_of, compress, compress_u32, f32x8, load, mask32x8, places_in, splat, vectorize,
+};
 use fearless_simd::prelude::*;
 use std::hint::select_unpredictable;
 
@@ -184,26 +186,23 @@ pub fn traverse<S: Simd>(
     stream: &mut Stream,
     visitor: &mut impl LeafVisitor<S>,
 ) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in lanes_in(active) {
-                stream.height[lane] = 0;
-                stream.schedule(lane, 0.0, start.bits(), packet.limit(lane));
-            }
-            while stream.nodes.count + stream.leaves.count != 0 {
-                for index in 0..stream.nodes.drain() {
-                    let (lane, child) = stream.nodes.get(index);
-                    if !stream.visit_node(simd, &nodes[child.index()], lane, packet) {
-                        traverse_singly(simd, nodes, child, 1 << lane, packet, visitor);
-                        stream.schedule(lane, f32::INFINITY, 0, packet.limit(lane));
-                    }
-                }
-                for index in 0..stream.visit_leaves(simd, packet, visitor) {
-                    let (lane, _) = stream.leaves.get(index);
+    vectorize!(simd, {
+        for lane in lanes_in(active) {
+            stream.height[lane] = 0;
+            stream.schedule(lane, 0.0, start.bits(), packet.limit(lane));
+        }
+        while stream.nodes.count + stream.leaves.count != 0 {
+            for index in 0..stream.nodes.drain() {
+                let (lane, child) = stream.nodes.get(index);
+                if !stream.visit_node(simd, &nodes[child.index()], lane, packet) {
+                    traverse_singly(simd, nodes, child, 1 << lane, packet, visitor);
                     stream.schedule(lane, f32::INFINITY, 0, packet.limit(lane));
                 }
             }
-        },
-    );
+            for index in 0..stream.visit_leaves(simd, packet, visitor) {
+                let (lane, _) = stream.leaves.get(index);
+                stream.schedule(lane, f32::INFINITY, 0, packet.limit(lane));
+            }
+        }
+    });
 }

@@ -6,12 +6,9 @@
 //!
 //! - Culling, in `f32x8`. Its products may be fused with sums or not, so its results may differ between instruction
 //!   sets. Nothing that is seen depends on them: what culling leaves over is decided by the exact tests.
-//! - Plain loops over the [`Real`](vecmath::Real) arrays of a [`packet`], inside `simd.vectorize(..)`. They call the
-//!   scalar formulas, and the compiler makes several rays an instruction of them. It never fuses or reorders, so their
-//!   bits are the same for every instruction set.
-//!
-//! Only what is inlined into `vectorize` is compiled for the instruction set. Hence the `#[inline(always)]` on its
-//! closures and on every function that takes lanes.
+//! - Plain loops over the [`Real`](vecmath::Real) arrays of a [`packet`], inside [`vectorize!`]. They call the scalar
+//!   formulas, and the compiler makes several rays an instruction of them. It never fuses or reorders, so their bits are
+//!   the same for every instruction set.
 
 pub mod packet;
 mod range;
@@ -63,6 +60,19 @@ macro_rules! with_simd {
     };
 }
 pub use with_simd;
+
+/// Compiles `$body` for the instruction set of `$simd`. It takes its variables by value, so that their addresses stay
+/// unknown and loops vectorise. Only what is inlined is compiled so: hence the `#[inline(always)]` on every function that
+/// takes lanes.
+macro_rules! vectorize {
+    ($simd:expr, $body:expr) => {
+        $simd.vectorize(
+            #[inline(always)]
+            move || $body,
+        )
+    };
+}
+pub(crate) use vectorize;
 
 impl InstructionSet {
     /// The names of this target's instruction sets, the slowest first.

@@ -23,7 +23,7 @@
 //! tree together and share the tests of boxes. *Stream*: rays with nothing in common each keep a stack of their own, but
 //! each step is done for all of them before the next one begins.
 
-use super::Simd;
+use super::{Simd, vectorize};
 use crate::objects::{PreparedRay, Ray};
 use vecmath::{Real, Vector3};
 
@@ -160,15 +160,12 @@ impl RayPacket {
     /// Computes 1 / direction of the active lanes.
     #[inline]
     pub fn prepare<S: Simd>(&mut self, simd: S, active: u64) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    let prepared = PreparedRay::new(self.get(lane));
-                    self.inverse_direction.set(lane, prepared.inverse_direction);
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                let prepared = PreparedRay::new(self.get(lane));
+                self.inverse_direction.set(lane, prepared.inverse_direction);
+            }
+        });
     }
 }
 

@@ -1,8 +1,8 @@
 //! Look-ups of a packet in a cube map: [`CubeMap::color`] for many directions at once.
 
 use crate::cube_map::{CubeMap, Place, Texels};
-use crate::simd::Simd;
 use crate::simd::packet::{PACKET, Scalars, Vectors, lanes_in, span};
+use crate::simd::{Simd, vectorize};
 
 /// What look-ups need room for.
 pub struct CubeMapScratch {
@@ -48,17 +48,14 @@ pub fn colors<S: Simd>(
 
 fn find_places<S: Simd>(simd: S, active: u64, scratch: &mut CubeMapScratch) {
     let CubeMapScratch { directions, face, u, v, .. } = scratch;
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            directions.normalize(active);
-            for lane in span(active) {
-                let place = Place::of(directions.get(lane));
-                face[lane] = place.face as u64;
-                (u[lane], v[lane]) = (place.u, place.v);
-            }
-        },
-    );
+    vectorize!(simd, {
+        directions.normalize(active);
+        for lane in span(active) {
+            let place = Place::of(directions.get(lane));
+            face[lane] = place.face as u64;
+            (u[lane], v[lane]) = (place.u, place.v);
+        }
+    });
 }
 
 fn blend<S: Simd>(
@@ -69,13 +66,10 @@ fn blend<S: Simd>(
     active: u64,
     colors: &mut Vectors,
 ) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in span(active) {
-                let texels = [a.get(lane), b.get(lane), c.get(lane), d.get(lane)];
-                colors.set(lane, Texels { texels, right: right[lane], below: below[lane] }.blend());
-            }
-        },
-    );
+    vectorize!(simd, {
+        for lane in span(active) {
+            let texels = [a.get(lane), b.get(lane), c.get(lane), d.get(lane)];
+            colors.set(lane, Texels { texels, right: right[lane], below: below[lane] }.blend());
+        }
+    });
 }

@@ -1,8 +1,8 @@
 //! [`HitPacket`]: the nearest hits of a packet's rays so far.
 
 use crate::objects::{Hit, Object, Shape, SurfaceHit, T_MAX, match_surface};
-use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, span};
+use crate::simd::{Simd, vectorize};
 use vecmath::{Real, greater};
 
 /// The nearest hit of each lane. A query also reads from `t` how far its rays go.
@@ -39,16 +39,13 @@ impl HitPacket {
     /// Returns the active lanes whose nearest hit is on this object.
     pub fn lanes_of<S: Simd>(&self, simd: S, active: u64, object: u32) -> u64 {
         active
-            & simd.vectorize(
-                #[inline(always)]
-                move || {
-                    let mut mask = 0;
-                    for lane in 0..PACKET {
-                        mask |= u64::from(self.object[lane] == object) << lane;
-                    }
-                    mask
-                },
-            )
+            & vectorize!(simd, {
+                let mut mask = 0;
+                for lane in 0..PACKET {
+                    mask |= u64::from(self.object[lane] == object) << lane;
+                }
+                mask
+            })
     }
 
     /// Returns the nearest hit of a lane.
@@ -87,29 +84,23 @@ impl HitPacket {
 
     /// Computes the [`limit`](Self::limit) of each active lane.
     pub fn limits<S: Simd>(&self, simd: S, index: u32, active: u64, limits: &mut Scalars) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    limits[lane] = self.limit(lane, index);
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                limits[lane] = self.limit(lane, index);
+            }
+        });
     }
 
     /// Replaces hits of the active lanes by those at `t` that are nearer.
     pub fn take_nearer<S: Simd>(&mut self, simd: S, index: u32, active: u64, t: &Scalars) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    let (new, old, before) = (t[lane], self.t[lane], self.object[lane]);
-                    let takes = is_nearer(new, old, index < before) & has_lane(active, lane);
-                    self.t[lane] = if takes { new } else { old };
-                    self.object[lane] = if takes { index } else { before };
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                let (new, old, before) = (t[lane], self.t[lane], self.object[lane]);
+                let takes = is_nearer(new, old, index < before) & has_lane(active, lane);
+                self.t[lane] = if takes { new } else { old };
+                self.object[lane] = if takes { index } else { before };
+            }
+        });
     }
 
     /// Replaces hits of the active lanes by those in a mesh that are nearer.
@@ -122,22 +113,19 @@ impl HitPacket {
         active: u64,
         in_mesh: &Self,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    let (old, before) = (self.t[lane], self.object[lane]);
-                    let (meets, entry) = object.entry_branchless(&world.get_prepared(lane), old);
-                    let new = greater(in_mesh.t[lane], entry);
-                    let takes = meets & is_nearer(new, old, index < before) & has_lane(active, lane);
-                    self.t[lane] = if takes { new } else { old };
-                    self.object[lane] = if takes { index } else { before };
-                    self.triangle[lane] = if takes { in_mesh.triangle[lane] } else { self.triangle[lane] };
-                    let (weights, kept) = (in_mesh.barycentric.get(lane), self.barycentric.get(lane));
-                    self.barycentric.set(lane, if takes { weights } else { kept });
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                let (old, before) = (self.t[lane], self.object[lane]);
+                let (meets, entry) = object.entry_branchless(&world.get_prepared(lane), old);
+                let new = greater(in_mesh.t[lane], entry);
+                let takes = meets & is_nearer(new, old, index < before) & has_lane(active, lane);
+                self.t[lane] = if takes { new } else { old };
+                self.object[lane] = if takes { index } else { before };
+                self.triangle[lane] = if takes { in_mesh.triangle[lane] } else { self.triangle[lane] };
+                let (weights, kept) = (in_mesh.barycentric.get(lane), self.barycentric.get(lane));
+                self.barycentric.set(lane, if takes { weights } else { kept });
+            }
+        });
     }
 
     /// Replaces the hit of one lane by that in a mesh, if it is nearer.
@@ -156,17 +144,14 @@ impl HitPacket {
     /// Returns the active lanes whose rays enter an object's bounds at a t up to and including that of their hit.
     pub fn entering<S: Simd>(&self, simd: S, object: &Object, world: &RayPacket, active: u64) -> u64 {
         active
-            & simd.vectorize(
-                #[inline(always)]
-                move || {
-                    let mut met = 0;
-                    for lane in span(active) {
-                        let (meets, _) = object.entry_branchless(&world.get_prepared(lane), self.t[lane]);
-                        met |= u64::from(meets) << lane;
-                    }
-                    met
-                },
-            )
+            & vectorize!(simd, {
+                let mut met = 0;
+                for lane in span(active) {
+                    let (meets, _) = object.entry_branchless(&world.get_prepared(lane), self.t[lane]);
+                    met |= u64::from(meets) << lane;
+                }
+                met
+            })
     }
 }
 

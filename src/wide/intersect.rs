@@ -8,8 +8,8 @@ use super::triangle::TriangleHits;
 use crate::bvh::{Bvh, CullingPacket, DONE, LeafVisitor, PacketBounds, Shaft, TraversalScratch};
 use crate::objects::{Aabb, PreparedRay, Shape, Surface, Transform, match_surface};
 use crate::scene::Geometry;
-use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, is_dense, lanes_in, span};
+use crate::simd::{Simd, vectorize};
 use vecmath::{Real, greater};
 
 /// What queries need room for. A tracer keeps one and lends it to every query. The boxes are made for the first query
@@ -288,26 +288,20 @@ impl<S: Simd, const ANY: bool> LeafVisitor<S> for ObjectVisitor<'_, '_, ANY> {
 
 /// Takes the active rays to object space.
 fn to_object_space<S: Simd>(simd: S, transform: &Transform, world: &RayPacket, active: u64, rays: &mut RayPacket) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in span(active) {
-                rays.set(lane, transform.ray_to_object(&world.get(lane)));
-            }
-        },
-    );
+    vectorize!(simd, {
+        for lane in span(active) {
+            rays.set(lane, transform.ray_to_object(&world.get(lane)));
+        }
+    });
 }
 
 /// Intersects the active rays with a surface; t is infinite where they miss it.
 fn intersect_surface<S: Simd>(simd: S, surface: &impl Surface, rays: &RayPacket, active: u64, t: &mut Scalars) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in span(active) {
-                t[lane] = surface.intersect(&rays.get(lane)).unwrap_or(Real::INFINITY);
-            }
-        },
-    );
+    vectorize!(simd, {
+        for lane in span(active) {
+            t[lane] = surface.intersect(&rays.get(lane)).unwrap_or(Real::INFINITY);
+        }
+    });
 }
 
 /// Makes hits count only where the rays enter the object's bounds, and no nearer than there.
@@ -319,13 +313,10 @@ fn clip_to_bounds<S: Simd>(
     t_max: &Scalars,
     t: &mut Scalars,
 ) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in span(active) {
-                let (meets, entry) = bounds.entry_branchless(&world.get_prepared(lane), 0.0, t_max[lane]);
-                t[lane] = if meets { greater(t[lane], entry) } else { Real::INFINITY };
-            }
-        },
-    );
+    vectorize!(simd, {
+        for lane in span(active) {
+            let (meets, entry) = bounds.entry_branchless(&world.get_prepared(lane), 0.0, t_max[lane]);
+            t[lane] = if meets { greater(t[lane], entry) } else { Real::INFINITY };
+        }
+    });
 }

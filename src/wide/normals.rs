@@ -2,8 +2,8 @@
 
 use super::hit_packet::HitPacket;
 use crate::objects::{Mesh, Object, Shape, Surface, Transform, match_surface};
-use crate::simd::Simd;
 use crate::simd::packet::{RayPacket, Vectors, has_lane, lanes_in, span};
+use crate::simd::{Simd, vectorize};
 use vecmath::Vector3;
 
 /// So few lanes are computed one by one.
@@ -53,15 +53,12 @@ pub fn normals<S: Simd>(
 
 /// Copies the vectors of the active lanes.
 fn copy<S: Simd>(simd: S, from: &Vectors, active: u64, to: &mut Vectors) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            for lane in span(active) {
-                let vector = if has_lane(active, lane) { from.get(lane) } else { to.get(lane) };
-                to.set(lane, vector);
-            }
-        },
-    );
+    vectorize!(simd, {
+        for lane in span(active) {
+            let vector = if has_lane(active, lane) { from.get(lane) } else { to.get(lane) };
+            to.set(lane, vector);
+        }
+    });
 }
 
 /// Takes the normals of the active lanes to world space.
@@ -84,28 +81,25 @@ fn normals_of_surface<S: Simd, F: Surface>(
     hits: &HitPacket,
     found: &mut Vectors,
 ) {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            match transform {
-                None => {
-                    for lane in span(active) {
-                        found.set(lane, surface.gradient(rays.get(lane).at(hits.t[lane])));
-                    }
-                }
-                Some(transform) => {
-                    for lane in span(active) {
-                        let ray = transform.ray_to_object(&rays.get(lane));
-                        found.set(lane, surface.gradient(ray.at(hits.t[lane])));
-                    }
+    vectorize!(simd, {
+        match transform {
+            None => {
+                for lane in span(active) {
+                    found.set(lane, surface.gradient(rays.get(lane).at(hits.t[lane])));
                 }
             }
-            if F::NORMALIZES {
-                found.normalize(active);
+            Some(transform) => {
+                for lane in span(active) {
+                    let ray = transform.ray_to_object(&rays.get(lane));
+                    found.set(lane, surface.gradient(ray.at(hits.t[lane])));
+                }
             }
-            to_world(found, active, transform);
-        },
-    );
+        }
+        if F::NORMALIZES {
+            found.normalize(active);
+        }
+        to_world(found, active, transform);
+    });
 }
 
 /// Interpolates the corners' normals. Returns the lanes for which [`Mesh::normal`] must do it.
@@ -117,32 +111,29 @@ fn normals_of_mesh<S: Simd>(
     hits: &HitPacket,
     NormalScratch { found, corners }: &mut NormalScratch,
 ) -> u64 {
-    simd.vectorize(
-        #[inline(always)]
-        move || {
-            let mut unusual = 0;
-            for lane in lanes_in(active) {
-                let mut is_usual = true;
-                for (corner, normal) in mesh.corner_normals(hits.triangle[lane]).into_iter().enumerate() {
-                    corners[corner].set(lane, normal);
-                    is_usual &= normal != Vector3::ZERO;
-                }
-                unusual |= u64::from(!is_usual) << lane;
+    vectorize!(simd, {
+        let mut unusual = 0;
+        for lane in lanes_in(active) {
+            let mut is_usual = true;
+            for (corner, normal) in mesh.corner_normals(hits.triangle[lane]).into_iter().enumerate() {
+                corners[corner].set(lane, normal);
+                is_usual &= normal != Vector3::ZERO;
             }
-            let mut all_usual = true;
-            for lane in span(active) {
-                let weights = hits.barycentric.get(lane);
-                let sum = Vector3::ZERO + corners[0].get(lane) * weights.x;
-                let sum = sum + corners[1].get(lane) * weights.y + corners[2].get(lane) * weights.z;
-                let largest = sum.max_abs();
-                let is_usual = (largest > 0.0) & sum.is_finite();
-                all_usual &= is_usual | !has_lane(active, lane);
-                let scaled = sum / if is_usual { largest } else { 1.0 };
-                let length = scaled.length();
-                found.set(lane, scaled / if is_usual { length } else { 1.0 });
-            }
-            to_world(found, active, transform);
-            if all_usual { unusual } else { active }
-        },
-    )
+            unusual |= u64::from(!is_usual) << lane;
+        }
+        let mut all_usual = true;
+        for lane in span(active) {
+            let weights = hits.barycentric.get(lane);
+            let sum = Vector3::ZERO + corners[0].get(lane) * weights.x;
+            let sum = sum + corners[1].get(lane) * weights.y + corners[2].get(lane) * weights.z;
+            let largest = sum.max_abs();
+            let is_usual = (largest > 0.0) & sum.is_finite();
+            all_usual &= is_usual | !has_lane(active, lane);
+            let scaled = sum / if is_usual { largest } else { 1.0 };
+            let length = scaled.length();
+            found.set(lane, scaled / if is_usual { length } else { 1.0 });
+        }
+        to_world(found, active, transform);
+        if all_usual { unusual } else { active }
+    })
 }

@@ -4,8 +4,8 @@ use crate::light::Light;
 use crate::material::{Material, mirrored, power, whole_exponent};
 use crate::objects::Ray;
 use crate::ray_offset::{offset_along, shadow_t_max};
-use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, lanes_in, span};
+use crate::simd::{Simd, vectorize};
 use vecmath::{Real, Vector3};
 
 /// The points of a packet that are being shaded, one a lane.
@@ -64,41 +64,32 @@ impl SurfacePacket {
 
     /// Sets the points at `t` of the active rays.
     pub fn set_points<S: Simd>(&mut self, simd: S, rays: &RayPacket, active: u64, t: &Scalars) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    self.point.set(lane, rays.get(lane).at(t[lane]));
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                self.point.set(lane, rays.get(lane).at(t[lane]));
+            }
+        });
     }
 
     /// Mirrors the active rays, and makes the points black.
     pub fn mirror_rays<S: Simd>(&mut self, simd: S, rays: &RayPacket, active: u64) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    let reflected = mirrored(rays.direction.get(lane), self.normal.get(lane));
-                    self.reflected.set(lane, reflected);
-                    self.color.set(lane, Vector3::ZERO);
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                let reflected = mirrored(rays.direction.get(lane), self.normal.get(lane));
+                self.reflected.set(lane, reflected);
+                self.color.set(lane, Vector3::ZERO);
+            }
+        });
     }
 
     /// Adds a light to the points of a mask.
     pub fn add<S: Simd>(&mut self, simd: S, light: &LightPacket, mask: u64) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(mask) {
-                    let added = if has_lane(mask, lane) { light.reflected.get(lane) } else { Vector3::ZERO };
-                    self.color.set(lane, self.color.get(lane) + added);
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(mask) {
+                let added = if has_lane(mask, lane) { light.reflected.get(lane) } else { Vector3::ZERO };
+                self.color.set(lane, self.color.get(lane) + added);
+            }
+        });
     }
 
     /// Adds what the active points reflect, ambient light included, to the colours of their paths, and lowers the
@@ -111,18 +102,15 @@ impl SurfacePacket {
         throughput: &mut Vectors,
         color: &mut Vectors,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                for lane in span(active) {
-                    let reflected = self.color.get(lane) + ambient.scaled_by(self.diffuse.get(lane));
-                    color.set(lane, color.get(lane) + throughput.get(lane).scaled_by(reflected));
-                }
-                for lane in span(active) {
-                    throughput.set(lane, throughput.get(lane).scaled_by(self.specular.get(lane)));
-                }
-            },
-        );
+        vectorize!(simd, {
+            for lane in span(active) {
+                let reflected = self.color.get(lane) + ambient.scaled_by(self.diffuse.get(lane));
+                color.set(lane, color.get(lane) + throughput.get(lane).scaled_by(reflected));
+            }
+            for lane in span(active) {
+                throughput.set(lane, throughput.get(lane).scaled_by(self.specular.get(lane)));
+            }
+        });
     }
 }
 
@@ -148,33 +136,30 @@ impl LightPacket {
 
     /// Lights the active points. Returns those that the light changes.
     pub fn illuminate<S: Simd>(&mut self, simd: S, light: &Light, surfaces: &SurfacePacket, active: u64) -> u64 {
-        simd.vectorize(
-            #[inline(always)]
-            move || {
-                light.illuminate_each(
-                    span(active),
-                    #[inline(always)]
-                    |lane| surfaces.point.get(lane),
-                    #[inline(always)]
-                    |lane, seen| {
-                        self.to_light.set(lane, seen.to_light);
-                        self.distance[lane] = seen.distance;
-                        self.intensity.set(lane, seen.intensity);
-                        self.highlight[lane] = surfaces.reflected.get(lane).dot(seen.to_light).max(0.0);
-                    },
-                );
-                raise_to_powers(&mut self.highlight, &surfaces.shininess, active);
-                let mut changed = 0;
-                for lane in span(active) {
-                    let (to_light, intensity) = (self.to_light.get(lane), self.intensity.get(lane));
-                    let cosine = surfaces.normal.get(lane).dot(to_light);
-                    let added = surfaces.material(lane).reflect(intensity, cosine, self.highlight[lane]);
-                    self.reflected.set(lane, added);
-                    changed |= u64::from((added.x != 0.0) | (added.y != 0.0) | (added.z != 0.0)) << lane;
-                }
-                changed & active
-            },
-        )
+        vectorize!(simd, {
+            light.illuminate_each(
+                span(active),
+                #[inline(always)]
+                |lane| surfaces.point.get(lane),
+                #[inline(always)]
+                |lane, seen| {
+                    self.to_light.set(lane, seen.to_light);
+                    self.distance[lane] = seen.distance;
+                    self.intensity.set(lane, seen.intensity);
+                    self.highlight[lane] = surfaces.reflected.get(lane).dot(seen.to_light).max(0.0);
+                },
+            );
+            raise_to_powers(&mut self.highlight, &surfaces.shininess, active);
+            let mut changed = 0;
+            for lane in span(active) {
+                let (to_light, intensity) = (self.to_light.get(lane), self.intensity.get(lane));
+                let cosine = surfaces.normal.get(lane).dot(to_light);
+                let added = surfaces.material(lane).reflect(intensity, cosine, self.highlight[lane]);
+                self.reflected.set(lane, added);
+                changed |= u64::from((added.x != 0.0) | (added.y != 0.0) | (added.z != 0.0)) << lane;
+            }
+            changed & active
+        })
     }
 
     /// Makes the active shadow rays, which start `epsilon` along themselves, and says how far they go.
@@ -189,20 +174,17 @@ impl LightPacket {
         rays: &mut RayPacket,
         t_max: &mut Scalars,
     ) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for lane in span(active) {
-                    rays.set(lane, offset_along(surfaces.point.get(lane), self.to_light.get(lane), epsilon));
-                    t_max[lane] = self.distance[lane];
-                }
-            },
-        );
-        if is_robust {
-            for lane in lanes_in(active) {
-                t_max[lane] = shadow_t_max(rays.origin.get(lane), self.distance[lane] - epsilon);
+        vectorize!(simd, {
+            for lane in span(active) {
+                rays.set(lane, offset_along(surfaces.point.get(lane), self.to_light.get(lane), epsilon));
+                t_max[lane] = self.distance[lane];
             }
-        }
+            if is_robust {
+                for lane in lanes_in(active) {
+                    t_max[lane] = shadow_t_max(rays.origin.get(lane), self.distance[lane] - epsilon);
+                }
+            }
+        });
     }
 }
 
