@@ -5,7 +5,7 @@ use crate::bvh::{Bvh, TriangleBlock, build_triangle_bvh};
 use crate::objects::{Mesh, Object};
 use crate::simd::InstructionSet;
 
-/// What rays can hit. [`queries`](super::queries) says what a ray can ask of it.
+/// What rays can hit. [`queries`](super::queries) has the queries of one ray.
 #[derive(Debug)]
 pub struct Geometry {
     /// In the order of the file: where two objects are hit at the same t, the first one counts.
