@@ -4,11 +4,13 @@
 //!
 //! 1. [`args`]: the command line becomes [`options`];
 //! 2. [`scene_file`]: the text of a scene, as written;
-//! 3. [`plan`]: what the pictures that were asked for need of the scene;
-//! 4. [`objects`], [`accel`], [`camera`], [`light`], [`material`], [`cube_map`]: what a scene is made of;
-//! 5. [`scene`]: what rays meet;
-//! 6. [`render`]: the pictures' pixels, ray by ray ([`render::trace`] is the heart of it);
-//! 7. [`film`]: bytes and files.
+//! 3. [`plan`]: what the wanted pictures need of the scene;
+//! 4. [`objects`], [`camera`], [`light`], [`material`], [`cube_map`]: what a scene is made of, one ray at a time;
+//! 5. [`scene`]: what rays meet, with the trees of [`bvh`];
+//! 6. [`mod@trace`]: what one ray sees, which is the definition of the picture. **Begin reading there.**
+//! 7. [`wide`]: the same, 64 rays at a time, in the lanes of [`simd`];
+//! 8. [`mod@render`]: which rays, and what becomes of what they see;
+//! 9. [`film`]: bytes and files.
 //!
 //! [`measure`] stands beside: how much pictures differ, and what the work cost.
 #![forbid(unsafe_code)]
