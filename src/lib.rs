@@ -12,7 +12,7 @@
 //! 8. [`mod@render`]: which rays, and what becomes of what they see;
 //! 9. [`film`]: bytes and files.
 //!
-//! [`measure`] stands beside: how much pictures differ, and what the work cost.
+//! [`measure`] computes errors and costs of pictures.
 #![forbid(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
@@ -55,7 +55,7 @@ use std::time::Instant;
 use timing::{Stopwatch, Times, timed};
 use write::say;
 
-/// What a run has to say, and how it ended.
+/// The output and the exit code of a run.
 #[derive(Debug)]
 pub struct Outcome {
     /// For standard output.
@@ -63,10 +63,10 @@ pub struct Outcome {
     pub exit_code: u8,
 }
 
-/// Does what a command line (without the program's name) asks for.
+/// Runs a command line, without the program's name.
 ///
 /// # Errors
-/// [`Error`], to be shown to the user; its exit code goes with it. Comparing pictures has its own: 2.
+/// [`Error`], to be shown to the user, with its exit code. An error while comparing pictures has exit code 2.
 pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, u8)> {
     let with_code = |error: Error| {
         let code = error.exit_code();
@@ -117,7 +117,7 @@ fn render_to_files(options: &Options) -> Result<(), Error> {
 /// Renders the pictures that `options` ask for, in memory. A time limit counts from here.
 ///
 /// # Errors
-/// Whatever is wrong with the scene or a file that it names.
+/// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
     let deadline = write::deadline(options);
     let reference = Reference::wanted_by(options)?;
@@ -154,7 +154,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// The last picture, and the table of those before it if it is asked for.
+/// Renders the picture. With `-convergence` it also returns the table of all pictures.
 fn render(
     scene: &Scene,
     plan: &Plan,
