@@ -126,7 +126,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         compiled
     });
     let Compiled { scene, warnings, build } = compiled?;
-    let (rendered, rendering) = timed(|| render(&scene, &plan, options, deadline, reference.as_ref()));
+    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();
     Ok(Report {
@@ -149,7 +149,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
 }
 
 /// The last picture, and the table of those before it if it is asked for.
-fn render(
+fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,

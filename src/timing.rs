@@ -61,7 +61,7 @@ fn processor_time() -> Duration {
     Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap_or_default()
 }
 
-/// Zero: how to ask other systems is not known here.
+/// Zero: only Unix systems are asked.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     Duration::ZERO

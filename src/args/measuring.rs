@@ -1,4 +1,4 @@
-//! The flags that choose samples, and those that ask how wrong the picture is and what it cost.
+//! Parses the flags that choose samples, and those that measure the picture's error and cost.
 
 use super::typed::{Typed, must_be_png, usage_error};
 use crate::error::Error;

@@ -1,4 +1,4 @@
-//! The flags and values as typed: `clap` splits the line, and what it refuses is said in this program's words.
+//! Reads flags and values as typed. `clap` splits the line; its refusals are said in this program's words.
 
 use crate::error::{Error, probably_meant};
 use crate::options::has_extension;

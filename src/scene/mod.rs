@@ -1,6 +1,6 @@
 //! [`Scene`]: what rays meet. Flat, immutable, shared by all threads.
 //!
-//! [`compile`] makes one of a [`Description`](crate::scene_file::Description) and a [`Plan`](crate::plan::Plan): it
+//! [`compile()`] makes one of a [`Description`](crate::scene_file::Description) and a [`Plan`](crate::plan::Plan): it
 //! loads meshes and multiplies transformations out.
 
 mod compile;
