@@ -9,7 +9,7 @@
 //! 5. [`scene`]: what rays meet, with the trees of [`bvh`];
 //! 6. [`mod@trace`]: what one ray sees, which is the definition of the picture. **Begin reading there.**
 //! 7. [`wide`]: the same, 64 rays at a time, in the lanes of [`simd`];
-//! 8. [`mod@render`]: which rays, and what becomes of what they see;
+//! 8. [`render`]: which rays, and what becomes of what they see;
 //! 9. [`film`]: bytes and files.
 //!
 //! [`measure`] computes errors and costs of pictures.
@@ -132,7 +132,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         compiled
     });
     let Compiled { scene, warnings, build } = compiled?;
-    let (rendered, rendering) = timed(|| render(&scene, &plan, options, deadline, reference.as_ref()));
+    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();
     Ok(Report {
@@ -155,7 +155,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
 }
 
 /// Renders the picture. With `-convergence` it also returns the table of all pictures.
-fn render(
+fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,

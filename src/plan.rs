@@ -73,7 +73,7 @@ impl Plan {
     }
 
     /// A light without colour, or whose colour no material in use answers, adds exactly nothing.
-    fn decide_lights(&mut self, description: &Description, materials: &[&Material]) {
+    fn choose_lights(&mut self, description: &Description, materials: &[&Material]) {
         for (index, light) in description.lights.iter().enumerate() {
             let light = &light.value;
             // Infinite light times zero is not zero but NaN, which the starter shows as black.
@@ -86,7 +86,7 @@ impl Plan {
     }
 
     /// Mirror and shadow rays are traced only where a material or a light asks for them.
-    fn decide_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
+    fn choose_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
         let has_mirror = materials.iter().any(|material| material.is_mirror());
         self.shadows = options.shadows && !self.lights.is_empty();
         self.bounces = if has_mirror { options.bounces } else { 0 };
