@@ -33,16 +33,43 @@ impl<'a> Lexer<'a> {
     }
 
     fn skip_blanks_and_comments(&mut self) {
+        let bytes = self.text.as_bytes();
         loop {
-            let rest = &self.text[self.at..];
-            let trimmed = rest.trim_start();
-            self.at += rest.len() - trimmed.len();
-            if !(trimmed.starts_with('#') || trimmed.starts_with("//")) {
-                return;
+            while bytes.get(self.at).is_some_and(|&byte| is_blank(byte)) {
+                self.at += 1;
             }
-            self.at += trimmed.find('\n').unwrap_or(trimmed.len());
+            let rest = &self.text[self.at..];
+            self.at += match bytes.get(self.at) {
+                Some(b'#') => rest.find('\n').unwrap_or(rest.len()),
+                Some(b'/') if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+                Some(128..) if rest.starts_with(char::is_whitespace) => rest.len() - rest.trim_start().len(),
+                _ => return,
+            };
         }
     }
+
+    /// The length in bytes of the word or brace that begins here; `None` at the end.
+    fn token_length(&self) -> Option<usize> {
+        let rest = &self.text[self.at..];
+        if is_brace(*rest.as_bytes().first()?) {
+            return Some(1);
+        }
+        // Nearly all words are ASCII, and bytes are read several times faster than characters.
+        match rest.bytes().position(|byte| is_blank(byte) || is_brace(byte) || byte >= 128) {
+            Some(length) if rest.as_bytes()[length] < 128 => Some(length),
+            Some(_) => rest.find(|c: char| c.is_whitespace() || matches!(c, '{' | '}')).or(Some(rest.len())),
+            None => Some(rest.len()),
+        }
+    }
+}
+
+/// White space of ASCII.
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b'\t'..=b'\r' | b' ')
+}
+
+fn is_brace(byte: u8) -> bool {
+    matches!(byte, b'{' | b'}')
 }
 
 impl<'a> Iterator for Lexer<'a> {
@@ -50,15 +77,9 @@ impl<'a> Iterator for Lexer<'a> {
 
     fn next(&mut self) -> Option<Token<'a>> {
         self.skip_blanks_and_comments();
-        let rest = &self.text[self.at..];
-        let is_brace = |c: char| c == '{' || c == '}';
-        let length = match rest.chars().next()? {
-            c if is_brace(c) => 1,
-            _ => rest.find(|c: char| c.is_whitespace() || is_brace(c)).unwrap_or(rest.len()),
-        };
-        let start = self.at;
+        let (start, length) = (self.at, self.token_length()?);
         self.at += length;
-        Some(Token { text: &rest[..length], span: Span { start, end: self.at } })
+        Some(Token { text: &self.text[start..self.at], span: Span { start, end: self.at } })
     }
 }
 
@@ -79,6 +100,11 @@ mod tests {
     fn comments_run_to_the_end_of_the_line() {
         assert_eq!(words("a # b {\nc // d\ne"), ["a", "c", "e"]);
         assert_eq!(words("#"), Vec::<&str>::new());
+    }
+
+    #[test]
+    fn all_white_space_of_unicode_separates() {
+        assert_eq!(words("a\u{a0}ä\u{2003}{\u{b}b\u{3000}# ä\n\u{85}ö}"), ["a", "ä", "{", "b", "ö", "}"]);
     }
 
     #[test]

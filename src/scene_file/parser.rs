@@ -7,7 +7,7 @@
 use super::description::{At, BackgroundBlock, Description, Leaf, Node};
 use super::fields::{Count, Fields};
 use super::lexer::Token;
-use super::shapes::{SHAPE_NAMES, parse_shape};
+use super::shapes::{SHAPE_NAMES, shape_parser};
 use super::transforms::{STEP_NAMES, transform_step};
 use super::{blocks, lights};
 use crate::error::{Error, SourceText};
@@ -161,11 +161,11 @@ impl<'a> Parser<'a> {
             let message = format!("objects are nested more than {MAX_NESTING} deep");
             return Err(self.fields.error(name.span, message));
         }
-        let node = match parse_shape(&mut self.fields, name) {
+        let node = match shape_parser(name.text) {
             None if name.text == "Group" => self.group(name)?,
             None => self.transform(name)?,
-            Some(shape) => {
-                let shape = shape?;
+            Some(parse_shape) => {
+                let shape = parse_shape(&mut self.fields, name)?;
                 let Some(material) = self.material else {
                     let message = format!("no 'MaterialIndex' stands before this '{}'", name.text);
                     return Err(self.fields.error(name.span, message));

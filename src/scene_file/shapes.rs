@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::objects::{Plane, Shape, Sphere, Triangle};
 use vecmath::{Real, Vector3};
 
-type ParseShape = for<'a> fn(&mut Fields<'a>, Token<'a>) -> Result<LeafShape, Error>;
+pub(super) type ParseShape = for<'a> fn(&mut Fields<'a>, Token<'a>) -> Result<LeafShape, Error>;
 
 /// The name of each shape, and the function that parses its block.
 const SHAPES: [(&str, ParseShape); 4] =
@@ -25,10 +25,9 @@ pub(super) const SHAPE_NAMES: [&str; SHAPES.len()] = {
     names
 };
 
-/// Parses the block of the shape `name`; `None` if there is no such shape.
-pub(super) fn parse_shape<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Option<Result<LeafShape, Error>> {
-    let (_, parse) = SHAPES.into_iter().find(|shape| shape.0 == name.text)?;
-    Some(parse(fields, name))
+/// The function that parses the block of the shape `name`, if there is such a shape.
+pub(super) fn shape_parser(name: &str) -> Option<ParseShape> {
+    SHAPES.into_iter().find(|shape| shape.0 == name).map(|shape| shape.1)
 }
 
 /// `Sphere { center x y z  radius r }`
