@@ -1,4 +1,4 @@
-//! [`Camera`]: from a place in the picture to a ray.
+//! [`Camera`]: makes the ray through a place in the picture.
 
 use crate::objects::Ray;
 use vecmath::{Real, Vector3};
@@ -7,19 +7,19 @@ use vecmath::{Real, Vector3};
 #[derive(Clone, Debug)]
 pub struct Camera {
     pub(crate) center: Vector3,
-    /// The view direction at the length at which the picture spans -1 to 1 along `horizontal` and `up`.
+    /// The view direction, with the length at which the picture spans -1 to 1 along `horizontal` and `up`.
     forward: Vector3,
     /// Unit vector to the right.
     horizontal: Vector3,
-    /// As the scene gives it: neither normalised nor made orthogonal, which is the starter's camera.
+    /// As in the scene file: neither normalised nor made orthogonal, because the starter's camera does neither.
     up: Vector3,
 }
 
 impl Camera {
-    /// A camera with an opening angle from bottom to top, in radians, above 0 and below pi.
+    /// Makes a camera with an opening angle from bottom to top, in radians, above 0 and below pi.
     ///
     /// # Errors
-    /// What is wrong, where no picture could come of it.
+    /// [`CameraError`] if the camera would see nothing.
     pub fn new(center: Vector3, direction: Vector3, up: Vector3, angle_radians: f64) -> Result<Self, CameraError> {
         if !(angle_radians > 0.0 && angle_radians < std::f64::consts::PI) {
             return Err(CameraError::Angle);
@@ -33,13 +33,13 @@ impl Camera {
         }
         // libm gives the same bits on every machine.
         let half_height = libm::tan(angle_radians / 2.0) as Real;
-        // Products with a vector of extreme length would leave the range of numbers; any other is used as it is.
+        // Products with a vector of extreme length would overflow or underflow; any other vector is used as it is.
         let usual = (1e-30..1e30).contains(&up.max_abs());
         let horizontal = if usual { direction.cross(up).normalized() } else { across.normalized() };
         Ok(Self { center, forward: direction / half_height, horizontal, up })
     }
 
-    /// The ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
+    /// Returns the ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
     pub fn ray(&self, ndc: (Real, Real)) -> Ray {
         Ray { origin: self.center, direction: self.direction(ndc).normalized() }
     }
@@ -63,7 +63,7 @@ pub enum CameraError {
 /// A place in a grid of pixels: x to the right and y upward, in pixels.
 pub type Place = (Real, Real);
 
-/// The pixels of a picture as places for the camera.
+/// The grid of a picture's pixels: takes pixels to places, and places to camera coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelGrid {
     pub width: u32,
@@ -71,8 +71,9 @@ pub struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// Returns the place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y` pixels.
-    /// It is in pixels, from the bottom left one.
+    /// Returns the place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y`
+    /// pixels.
+    /// Places are counted in pixels from the bottom left pixel.
     #[inline(always)]
     pub fn place(&self, (x, row): (u32, u32), (offset_x, offset_y): (Real, Real)) -> Place {
         (x as Real + offset_x, (self.height - 1 - row) as Real + offset_y)
@@ -80,8 +81,8 @@ impl PixelGrid {
 
     /// Takes a place to normalised device coordinates, from (-1, -1) at the bottom left to (1, 1) at the top right.
     ///
-    /// The outermost pixels lie on the picture's border. A grid one pixel wide has its pixel in the middle and no
-    /// width to move by.
+    /// The outermost pixels lie on the picture's border. In a grid one pixel wide the pixel is in the middle, and
+    /// `offset_x` has no effect.
     #[inline(always)]
     pub fn ndc(&self, (x, y): Place) -> (Real, Real) {
         let ndc = |place: Real, count: u32| match count {
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_sees_nothing_is_refused() {
+    fn cameras_that_see_nothing_are_refused() {
         let camera = |direction, up, degrees: f64| Camera::new(Vector3::ZERO, direction, up, degrees.to_radians());
         assert_eq!(camera(Vector3::ZERO, Y, 30.0).unwrap_err(), CameraError::Direction);
         assert_eq!(camera(Z, Vector3::ZERO, 30.0).unwrap_err(), CameraError::Up);
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_span_the_picture_and_a_lone_pixel_is_its_middle() {
+    fn pixels_span_the_picture_and_a_single_pixel_is_in_the_middle() {
         let grid = PixelGrid { width: 5, height: 3 };
         let ndc = |grid: &PixelGrid, pixel, offset| grid.ndc(grid.place(pixel, offset));
         assert_eq!(ndc(&grid, (0, 2), (0.0, 0.0)), (-1.0, -1.0));

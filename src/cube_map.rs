@@ -10,7 +10,7 @@ use vecmath::{Real, Vector3};
 /// File names of the faces, in the order of [`CubeMap::faces`]: +x, -x, +y, -y, +z, -z.
 const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
 
-/// byte / 255. A product with 1/255 would differ in the last bit, which truncation shows.
+/// byte / 255 for each byte. A product with 1/255 would differ in the last bit, which truncation to bytes would show.
 static SHARE: [Real; 256] = {
     let mut share = [0.0; 256];
     let mut byte = 0;
@@ -27,21 +27,21 @@ pub struct CubeMap {
     faces: [Face; 6],
 }
 
-/// A picture that is decoded when the first ray reaches it.
+/// The picture of one side. It is decoded when the first ray reaches it.
 #[derive(Debug)]
 struct Face {
     path: PathBuf,
     width: usize,
     height: usize,
-    /// Three bytes a texel, rows from the top; or why there are none.
+    /// Three bytes a texel, rows from the top; or the message why the picture could not be decoded.
     texels: OnceLock<Result<Vec<u8>, String>>,
 }
 
 impl CubeMap {
-    /// Opens the six pictures of a folder and reads their sizes, and no more.
+    /// Opens the six pictures of a folder. Reads only their sizes.
     ///
     /// # Errors
-    /// [`Error::File`] for a face that is missing or no picture.
+    /// [`Error::File`] for a face that is missing or is not a picture.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let open = |name: &str| {
             let path = folder.join(format!("{name}.png"));
@@ -56,18 +56,18 @@ impl CubeMap {
         Ok(Self { faces: [open(right)?, open(left)?, open(up)?, open(down)?, open(front)?, open(back)?] })
     }
 
-    /// The colour in a direction (of any length but zero), bilinearly interpolated.
+    /// Returns the colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
         self.texels(&Place::of(direction.normalized())).blend()
     }
 
-    /// Returns the four texels around a place. Decodes the face if it has not been.
+    /// Returns the four texels around a place. Decodes the face if it is not decoded yet.
     #[inline]
     pub(crate) fn texels(&self, place: &Place) -> Texels {
         self.faces[place.face % 6].texels(place.u, place.v)
     }
 
-    /// Decodes the faces that these directions reach, all at once.
+    /// Decodes the faces that these directions reach, in parallel.
     pub fn decode(&self, directions: &[Vector3]) {
         let mut is_reached = [false; 6];
         directions.iter().for_each(|&direction| is_reached[Place::of(direction.normalized()).face] = true);
@@ -76,12 +76,12 @@ impl CubeMap {
         });
     }
 
-    /// How many faces have been decoded so far.
+    /// Returns the number of faces that have been decoded so far.
     pub fn decoded_faces(&self) -> usize {
         self.faces.iter().filter(|face| face.texels.get().is_some()).count()
     }
 
-    /// What went wrong with the faces that rays reached; those faces are black.
+    /// Checks that the faces that rays reached could be decoded. A face that could not is black.
     ///
     /// # Errors
     /// [`Error::File`] for the first face that could not be decoded.
@@ -95,7 +95,7 @@ impl CubeMap {
     }
 }
 
-/// Where a ray that leaves the scene reaches the cube.
+/// The place of the cube map that a ray sees when it leaves the scene.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     pub face: usize,
@@ -105,8 +105,9 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// Finds the place in a direction, which must be a unit vector. How a face's picture is turned or mirrored is the
-    /// starter's choice. There are no branches, so that loops over directions vectorise.
+    /// Finds the place in a direction, which must be a unit vector. The orientation of each face is the starter's.
+    /// There
+    /// are no branches, so that loops over directions vectorise.
     #[inline(always)]
     pub fn of(d: Vector3) -> Self {
         let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
@@ -143,13 +144,13 @@ impl Place {
 pub(crate) struct Texels {
     /// Upper left, upper right, lower left, lower right.
     pub texels: [Vector3; 4],
-    /// Weights of those to the right, and of those below.
+    /// Weights of the right texels and of the lower texels.
     pub right: Real,
     pub below: Real,
 }
 
 impl Texels {
-    /// Bilinear interpolation.
+    /// Interpolates bilinearly.
     #[inline(always)]
     pub fn blend(&self) -> Vector3 {
         let [upper_left, upper_right, lower_left, lower_right] = self.texels;
@@ -160,14 +161,15 @@ impl Texels {
 }
 
 impl Face {
-    /// u and v from 0 to 1, v from the bottom. Black without a picture.
+    /// Returns the four texels around (u, v), both from 0 to 1, v from the bottom. Black if the picture cannot be
+    /// decoded.
     #[inline]
     fn texels(&self, u: Real, v: Real) -> Texels {
         let Ok(texels) = self.texels.get_or_init(|| self.decode()) else {
             return Texels { texels: [Vector3::ZERO; 4], right: 0.0, below: 0.0 };
         };
         let (x, y) = (u * self.width as Real, (1.0 - v) * self.height as Real);
-        // Faster than to `usize`.
+        // A conversion to `u32` is faster than one to `usize`.
         let (column, row) = (x as u32, y as u32);
         let (right, below) = (x - column as Real, y - row as Real);
         let (column, row) = (column as usize, row as usize);
@@ -234,11 +236,11 @@ mod tests {
 
     #[test]
     fn texels_lie_where_the_starter_puts_them() {
-        // u = 0.25 and v = 0.75: the middle between no texels, exactly on column 0 and row 0 plus a half each.
+        // u = 0.25 and v = 0.75: halfway between columns 0 and 1, and between rows 0 and 1.
         assert_eq!(bytes(1.0, 0.5, -0.5), [0.0, 50.0, 50.0]);
         assert_eq!(bytes(1.0, 0.9999999, -0.9999999), [0.0, 0.0, 0.0]);
         assert_eq!(bytes(1.0, -0.5, 0.5), [0.0, 100.0, 100.0]);
-        // Towards +x on the face behind the eye the starter's picture runs backwards.
+        // On the face behind the eye the starter's picture is mirrored: towards +x the column falls.
         assert_eq!(bytes(0.5, 0.0, -1.0)[1], 50.0);
         assert_eq!(bytes(-0.5, 0.0, -1.0)[1], 100.0);
     }

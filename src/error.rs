@@ -1,4 +1,4 @@
-//! [`Error`]: everything that can go wrong, as one message for a person, and the exit code that goes with it.
+//! [`Error`]: everything that can go wrong, with its message for the user and its exit code.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A text file in memory, as errors quote it.
+/// A text file in memory, for errors to quote.
 #[derive(Debug)]
 pub struct SourceText {
     pub path: PathBuf,
@@ -22,7 +22,7 @@ pub struct Span {
 }
 
 impl SourceText {
-    /// Line and column of a byte offset, both counted from 1, the column in characters.
+    /// Returns line and column of a byte offset, both counted from 1, the column in characters.
     pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(offset)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
@@ -30,13 +30,13 @@ impl SourceText {
         (line, before[line_start..].chars().count() + 1)
     }
 
-    /// `file:line:column` of a place. Counts all lines before it: for messages, not for every object.
+    /// Returns `file:line:column` of a place. Slow, because it counts all lines before it: use it for messages only.
     pub fn location(&self, span: Span) -> String {
         let (line, column) = self.line_and_column(span.start);
         format!("{}:{line}:{column}", self.path.display())
     }
 
-    /// An error about `span` of this text.
+    /// Makes an error about `span` of this text.
     pub fn error(self: &Arc<Self>, span: Span, message: impl Into<String>) -> Error {
         Error::Source(SourceError { source_text: Arc::clone(self), span, message: message.into(), note: None })
     }
@@ -51,17 +51,18 @@ pub struct SourceError {
     note: Option<String>,
 }
 
-/// Longest part of a line that an error shows on either side of the mistake, in bytes.
+/// Largest number of bytes of a line that an error shows on each side of the mistake.
 const QUOTED_MARGIN: usize = 100;
 
 impl SourceError {
-    /// `file:line:column` of the mistake.
+    /// Returns `file:line:column` of the mistake.
     pub fn location(&self) -> String {
         self.source_text.location(self.span)
     }
 
-    /// The part of the line to show, and the mistake's place in it. Long lines are cut, so that a file of one
-    /// gigantic line still gives a short message.
+    /// Returns the part of the line to show, and the place of the mistake in it. Long lines are cut, so that a file
+    /// of one
+    /// huge line gives a short message too.
     fn quoted(&self) -> (&str, Range<usize>) {
         let text = &self.source_text.text;
         let start = text.floor_char_boundary(self.span.start);
@@ -86,7 +87,7 @@ impl fmt::Display for SourceError {
             report = report.element(Level::HELP.message(note));
         }
         let rendered = Renderer::plain().render(&[report]);
-        // The renderer begins with "error: ", which belongs to whoever prints the error.
+        // The renderer begins with "error: ", which `main` prints.
         f.write_str(rendered.strip_prefix("error: ").unwrap_or(&rendered))
     }
 }
@@ -94,27 +95,27 @@ impl fmt::Display for SourceError {
 /// Everything that can go wrong.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A command line that makes no sense.
+    /// A wrong command line.
     #[error("{0}\nhint: 'a2 -help' lists the flags")]
     Usage(String),
-    /// A mistake in a scene or mesh file, at a known place.
+    /// A mistake at a known place in a scene or mesh file.
     #[error("{0}")]
     Source(SourceError),
-    /// A file that could not be read or written, or that does not hold what it should.
+    /// A file that could not be read or written, or that has the wrong content.
     #[error("{}: {message}", path.display())]
     File { path: PathBuf, message: String },
-    /// Anything else that is refused.
+    /// Anything else that the program refuses.
     #[error("{0}")]
     Refused(String),
 }
 
 impl Error {
-    /// An error about a whole file.
+    /// Makes an error about a whole file.
     pub fn file(path: &Path, message: impl Into<String>) -> Self {
         Self::File { path: path.to_owned(), message: message.into() }
     }
 
-    /// The operating system's refusal to do `action` with a file.
+    /// Makes an error of the operating system, which refused to do `action` with a file.
     pub fn io(path: &Path, action: &str, error: &io::Error) -> Self {
         Self::file(path, format!("cannot {action}: {error}"))
     }
@@ -128,7 +129,7 @@ impl Error {
         self
     }
 
-    /// The process exit code: 2 for a command line that makes no sense, otherwise 1.
+    /// Returns the process exit code: 2 for a wrong command line, otherwise 1.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
@@ -137,7 +138,7 @@ impl Error {
     }
 }
 
-/// `word` among `known` as it was probably meant, if it is near enough to be a slip of the finger.
+/// Returns the word of `known` that `word` is probably a typing mistake of.
 pub fn probably_meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gigantic_line_is_cut() {
+    fn a_huge_line_is_cut() {
         let text = source(&format!("{}!{}", "ä".repeat(5000), "b".repeat(5000)));
         let at = text.text.find('!').unwrap();
         let shown = text.error(Span { start: at, end: at + 3000 }, "here").to_string();

@@ -9,10 +9,10 @@
 //! 5. [`scene`]: what rays meet, with the trees of [`bvh`];
 //! 6. [`mod@trace`]: what one ray sees, which is the definition of the picture. **Begin reading there.**
 //! 7. [`wide`]: the same, 64 rays at a time, in the lanes of [`simd`];
-//! 8. [`mod@render`]: which rays, and what becomes of what they see;
+//! 8. [`render`]: which rays, and what becomes of what they see;
 //! 9. [`film`]: bytes and files.
 //!
-//! [`measure`] stands beside: how much pictures differ, and what the work cost.
+//! [`measure`] computes errors and costs of pictures.
 #![forbid(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
@@ -55,7 +55,7 @@ use std::time::Instant;
 use timing::{Stopwatch, Times, timed};
 use write::say;
 
-/// What a run has to say, and how it ended.
+/// The output and the exit code of a run.
 #[derive(Debug)]
 pub struct Outcome {
     /// For standard output.
@@ -63,10 +63,10 @@ pub struct Outcome {
     pub exit_code: u8,
 }
 
-/// Does what a command line (without the program's name) asks for.
+/// Runs a command line, without the program's name.
 ///
 /// # Errors
-/// [`Error`], to be shown to the user; its exit code goes with it. Comparing pictures has its own: 2.
+/// [`Error`], to be shown to the user, with its exit code. An error while comparing pictures has exit code 2.
 pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, u8)> {
     let with_code = |error: Error| {
         let code = error.exit_code();
@@ -117,7 +117,7 @@ fn render_to_files(options: &Options) -> Result<(), Error> {
 /// Renders the pictures that `options` ask for, in memory. A time limit counts from here.
 ///
 /// # Errors
-/// Whatever is wrong with the scene or a file that it names.
+/// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
     let deadline = write::deadline(options);
     let reference = Reference::wanted_by(options)?;
@@ -132,7 +132,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         compiled
     });
     let Compiled { scene, warnings, build } = compiled?;
-    let (rendered, rendering) = timed(|| render(&scene, &plan, options, deadline, reference.as_ref()));
+    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();
     Ok(Report {
@@ -154,8 +154,8 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// The last picture, and the table of those before it if it is asked for.
-fn render(
+/// Renders the picture. With `-convergence` it also returns the table of all pictures.
+fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,

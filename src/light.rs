@@ -1,8 +1,8 @@
-//! [`Light`]: where light comes from, and how much of it.
+//! [`Light`]: point lights and directional lights, and how much light they give.
 
 use vecmath::{Real, Vector3};
 
-/// A light without extent.
+/// A light source.
 #[derive(Clone, Debug)]
 pub enum Light {
     Directional {
@@ -17,7 +17,7 @@ pub enum Light {
     },
 }
 
-/// A light as a point sees it.
+/// The light that a point receives from a light source.
 #[derive(Clone, Copy, Debug)]
 pub struct Illumination {
     /// Unit vector to the light.
@@ -28,8 +28,9 @@ pub struct Illumination {
 }
 
 impl Light {
-    /// The light that falls on `point` if nothing is in the way. A point light fades with falloff times the squared
-    /// distance, and is infinite where that is zero.
+    /// Returns the light that falls on `point` if nothing blocks it. The colour of a point light is divided by
+    /// falloff times
+    /// the squared distance; the light is infinite if that product is zero.
     pub fn illuminate(&self, point: Vector3) -> Illumination {
         match *self {
             Self::Directional { to_light, color } => from_direction(to_light, color),
@@ -37,7 +38,7 @@ impl Light {
         }
     }
 
-    /// Returns the colour, before it fades.
+    /// Returns the colour at the source.
     pub fn color(&self) -> Vector3 {
         match *self {
             Self::Directional { color, .. } | Self::Point { color, .. } => color,
@@ -49,8 +50,9 @@ impl Light {
         matches!(self, Self::Point { falloff: 0.0, .. })
     }
 
-    /// Returns the most light that can fall on a point, in any component; `None` if there is no bound, as near a point
-    /// light.
+    /// Returns an upper bound of the light that falls on any point, in any component. `None` if there is no bound,
+    /// because a
+    /// point light has none near its position.
     pub fn max_radiance(&self) -> Option<Real> {
         match self {
             Self::Directional { color, .. } => Some(color.max_abs()),
@@ -58,8 +60,9 @@ impl Light {
         }
     }
 
-    /// Illuminates many points: calls `lit` with each index and the light at `point` of it. The choice of the formula
-    /// stands outside the loops, so that they vectorise.
+    /// Illuminates many points: calls `lit` with each index and the light at `point(index)`. The formula is chosen
+    /// outside
+    /// the loops, so that they vectorise.
     #[inline(always)]
     pub fn illuminate_each(
         &self,
@@ -91,7 +94,7 @@ fn from_direction(to_light: Vector3, color: Vector3) -> Illumination {
 fn from_point(position: Vector3, color: Vector3, falloff: Real, point: Vector3) -> Illumination {
     let offset = position - point;
     let distance = offset.length();
-    // A light is not lit by itself: from its own place it has no direction.
+    // A point at the light's own position receives nothing, because there is no direction to the light.
     let is_elsewhere = distance != 0.0;
     let (to_light, intensity) = (offset / distance, color / (falloff * distance * distance));
     Illumination {
@@ -118,14 +121,14 @@ mod tests {
     }
 
     #[test]
-    fn in_its_own_place_it_gives_no_light() {
+    fn a_point_light_gives_no_light_at_its_own_position() {
         let light = Light::Point { position: Vector3::splat(1.0), color: Vector3::splat(0.5), falloff: 0.0 };
         let seen = light.illuminate(Vector3::splat(1.0));
         assert_eq!((seen.to_light, seen.intensity), (Vector3::ZERO, Vector3::ZERO));
     }
 
     #[test]
-    fn without_falloff_it_is_infinite() {
+    fn a_point_light_without_falloff_is_infinite() {
         let light = Light::Point { position: Vector3::ZERO, color: Vector3::splat(0.5), falloff: 0.0 };
         assert_eq!(light.illuminate(Vector3::splat(1.0)).intensity, Vector3::splat(Real::INFINITY));
     }

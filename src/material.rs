@@ -3,7 +3,7 @@
 use crate::light::Illumination;
 use vecmath::{Real, Vector3};
 
-/// How a surface answers light.
+/// How a surface reflects light.
 #[derive(Clone, Debug)]
 pub struct Material {
     pub diffuse: Vector3,
@@ -15,49 +15,50 @@ pub struct Material {
 const MIRROR_LENGTH: Real = 0.1;
 
 impl Material {
-    /// Whether the surface reflects its surroundings, and not only lights.
+    /// Returns whether the surface reflects its surroundings, and not only lights.
     pub fn is_mirror(&self) -> bool {
         self.specular.length() > MIRROR_LENGTH
     }
 
-    /// max(0, N.L) I diffuse + max(0, R.L)^shininess I specular, with N the normal and R the mirrored ray.
+    /// Returns max(0, N.L) I diffuse + max(0, R.L)^shininess I specular, with N the normal and R the mirrored ray.
     ///
-    /// The highlight does not ask whether the light is in front of the surface, and 0^0 is 1: the starter's model.
+    /// As in the starter, the highlight does not depend on whether the light is in front of the surface, and 0^0 is
+    /// 1.
     pub fn phong(&self, light: &Illumination, normal: Vector3, mirrored: Vector3) -> Vector3 {
         let highlight = power(mirrored.dot(light.to_light).max(0.0), self.shininess);
         self.reflect(light.intensity, normal.dot(light.to_light), highlight)
     }
 
-    /// max(0, N.L) I diffuse + highlight I specular, with N.L the `cosine`.
+    /// Returns max(0, N.L) I diffuse + highlight I specular, with N.L the `cosine`.
     #[inline(always)]
     pub fn reflect(&self, intensity: Vector3, cosine: Real, highlight: Real) -> Vector3 {
         intensity.scaled_by(self.diffuse) * cosine.max(0.0) + intensity.scaled_by(self.specular) * highlight
     }
 
-    /// Whether the surface reflects anything of light of this colour.
-    pub fn answers(&self, color: Vector3) -> bool {
+    /// Returns whether the surface reflects any light of this colour.
+    pub fn reflects(&self, color: Vector3) -> bool {
         color.scaled_by(self.diffuse) != Vector3::ZERO || color.scaled_by(self.specular) != Vector3::ZERO
     }
 }
 
-/// The direction of a ray after a mirror: R = D - 2 (D.N) N. As long as D only if N is a unit vector.
+/// Returns the mirrored direction of a ray: R = D - 2 (D.N) N. It has the length of D only if N is a unit vector.
 pub fn mirrored(direction: Vector3, normal: Vector3) -> Vector3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
-/// Powers up to this are multiplied out.
-const LARGEST_MULTIPLIED_OUT: Real = 1024.0;
+/// Largest whole exponent that is computed by multiplication.
+const LARGEST_BY_SQUARING: Real = 1024.0;
 
-/// Returns the exponent as a whole number, if it is one that is multiplied out.
+/// Returns the exponent as a whole number, if [`power`] computes it by multiplication.
 pub(crate) fn whole_exponent(exponent: Real) -> Option<u32> {
     let bits = exponent as u32;
-    let is_whole = (0.0..=LARGEST_MULTIPLIED_OUT).contains(&exponent) && Real::from(bits as f32) == exponent;
+    let is_whole = (0.0..=LARGEST_BY_SQUARING).contains(&exponent) && Real::from(bits as f32) == exponent;
     is_whole.then_some(bits)
 }
 
-/// `base`^`exponent` for base >= 0; 0^0 = 1.
+/// Returns `base`^`exponent` for base >= 0; 0^0 = 1.
 ///
-/// Whole exponents, which is what scenes use, are multiplied out by squaring: several times faster than the general
+/// Whole exponents, the usual case, are computed by repeated squaring. This is several times faster than the general
 /// function, and within `exponent` rounding units of it.
 pub(crate) fn power(base: Real, exponent: Real) -> Real {
     let Some(mut bits) = whole_exponent(exponent) else {
@@ -98,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_highlight_does_not_ask_for_the_side() {
+    fn the_highlight_is_the_same_on_both_sides() {
         let material = Material { diffuse: Vector3::splat(1.0), specular: Vector3::splat(1.0), shininess: 1.0 };
         assert_eq!(material.phong(&light(-Y), Y, -Y), Vector3::splat(2.0));
     }
@@ -111,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_powers_are_as_good_as_general_ones() {
+    fn powers_by_squaring_agree_with_the_general_function() {
         for exponent in [1.0, 2.0, 20.0, 30.0, 255.0, 1024.0] {
             for base in [0.1, 0.5, 0.9, 0.999, 1.0, 1.1] {
                 let general = libm::pow(base as f64, exponent as f64) as Real;

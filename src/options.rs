@@ -1,19 +1,19 @@
 //! [`Options`]: what the user wants, as plain data that every module may read.
 //!
-//! [`args`](crate::args) makes them of a command line. Nothing here decides or does anything.
+//! [`args`](crate::args) makes them of a command line. Nothing here does anything.
 
 use crate::simd::InstructionSet;
 use std::path::{Path, PathBuf};
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
-/// Largest number of pixels: every machine has the memory for a picture of three bytes each.
+/// Largest number of pixels: a picture of three bytes a pixel fits into the memory of every machine.
 pub const MAX_PIXELS: u64 = 1 << 28;
 pub const MAX_BOUNCES: u32 = 100_000;
 pub const MAX_THREADS: usize = 1024;
-/// Samples with `-jitter` unless `-samples` says otherwise: the course's number.
+/// Samples with `-jitter` and without `-samples`: the course's number.
 pub const DEFAULT_SAMPLES: u32 = 16;
-/// Largest number of samples: those of a pixel are in memory together.
+/// Largest number of samples: all samples of a pixel are in memory at the same time.
 pub const MAX_SAMPLES: u32 = 1 << 16;
 
 /// How a scene is to be rendered, and into which files.
@@ -34,11 +34,11 @@ pub struct Options {
     pub filter: bool,
     /// Where shadow and mirror rays start.
     pub epsilon: Epsilon,
-    /// Depart from the starter where its shortcuts give wrong pictures.
+    /// Do without the starter's shortcuts where they give wrong pictures.
     pub robust: bool,
     /// Render one ray at a time, by the plain definition.
     pub plain: bool,
-    /// `None`: as many as the machine has.
+    /// Number of threads; `None`: one for each processor.
     pub threads: Option<usize>,
     pub seed: u64,
     pub quiet: bool,
@@ -50,22 +50,22 @@ pub struct Options {
 }
 
 impl Options {
-    /// Samples for each pixel of the traced grid.
+    /// Returns the number of samples for each pixel of the traced grid.
     pub fn samples(&self) -> u32 {
         if self.jitter { self.measure.samples.unwrap_or(DEFAULT_SAMPLES) } else { 1 }
     }
 
-    /// Pixels of the traced grid for each pixel of the picture.
+    /// Returns the number of pixels of the traced grid for each pixel of the picture.
     pub fn grid_pixels(&self) -> u32 {
         if self.filter { 9 } else { 1 }
     }
 
-    /// Whether the colour picture's file holds numbers instead of bytes.
+    /// Returns whether the colour picture's file holds numbers instead of bytes.
     pub fn color_is_numbers(&self) -> bool {
         self.color.as_ref().is_some_and(|path| !has_extension(path, "png"))
     }
 
-    /// Whether colours are kept as numbers, for a file or for a comparison.
+    /// Returns whether colours are kept as numbers, for a file or for a comparison.
     pub fn keeps_linear(&self) -> bool {
         let wanted = self.color_is_numbers() || self.measure.reference.is_some() || self.measure.keep_linear;
         wanted && self.color.is_some()
@@ -100,12 +100,12 @@ pub struct MeasureOptions {
     pub target_error: Option<f64>,
     /// Seconds since the program started.
     pub time_limit: Option<f64>,
-    /// Keep the colours as numbers in the film, even if no file is to hold them.
+    /// Keep the colours as numbers in the film, even if no file needs them.
     pub keep_linear: bool,
 }
 
 impl MeasureOptions {
-    /// Whether samples are taken in independent sets, which tell how wrong their mean is.
+    /// Returns whether samples are taken in independent sets, from which the error of their mean is estimated.
     pub fn wants_estimate(&self) -> bool {
         self.stats
             || self.report.is_some()
@@ -114,12 +114,12 @@ impl MeasureOptions {
             || self.is_adaptive()
     }
 
-    /// Whether times are measured.
+    /// Returns whether times are measured.
     pub fn wants_times(&self) -> bool {
         self.stats || self.report.is_some()
     }
 
-    /// Whether the number of samples is found out while rendering.
+    /// Returns whether the number of samples is determined while rendering.
     pub fn is_adaptive(&self) -> bool {
         self.target_error.is_some() || self.time_limit.is_some()
     }
@@ -137,16 +137,16 @@ pub struct CompareOptions {
     pub percent: f64,
 }
 
-/// Shadow and mirror rays start this far from the surface: in world units, times the length of their direction. The
-/// course's pictures depend on it.
+/// The starter's ray offset: shadow and mirror rays start this far along their direction, in world units times the
+/// length of the direction. The course's pictures depend on it.
 pub const STARTER_EPSILON: f64 = 0.01;
 
-/// What keeps shadow and mirror rays from meeting the surface that they leave.
+/// The ray offset, which keeps shadow and mirror rays from hitting the surface that they leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Epsilon {
     /// A distance along the ray, in world units: [`STARTER_EPSILON`] for the course's pictures.
     Along(f64),
-    /// The rounding error of the hit at hand, along the surface's normal.
+    /// The error bound of each hit, along the surface's normal.
     Auto,
 }
 
@@ -161,7 +161,7 @@ impl Default for Epsilon {
 pub enum SamplerKind {
     /// Each sample lies anywhere in the pixel.
     Independent,
-    /// One sample in each of as many cells of equal area, as nearly square as their number allows: the course's
+    /// The pixel is divided into one cell for each sample. Cells have equal area and are nearly square: the course's
     /// "uniform sampling + random jitter".
     #[default]
     Stratified,
@@ -173,7 +173,7 @@ pub enum SamplerKind {
 impl SamplerKind {
     pub const ALL: [Self; 3] = [Self::Independent, Self::Stratified, Self::Sobol];
 
-    /// As the command line calls it.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Independent => "independent",
@@ -182,8 +182,9 @@ impl SamplerKind {
         }
     }
 
-    /// The convergence order to expect at an edge: the power of the number of samples by which the squared error falls.
-    /// A curved edge through n cells meets about the root of n of them, which for one sample a cell makes 3/2.
+    /// Returns the expected convergence order at an edge: b if the squared error falls as n^-b with n samples. A
+    /// curved edge
+    /// crosses about sqrt(n) of n cells, which gives 3/2 for one sample in each cell.
     pub fn convergence_order(self) -> f64 {
         match self {
             Self::Independent => 1.0,
@@ -192,7 +193,7 @@ impl SamplerKind {
     }
 }
 
-/// Whether a file's name ends in `.extension`, in capitals or not.
+/// Returns whether a file's name ends in `.extension`, in capitals or not.
 pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }

@@ -1,6 +1,6 @@
-//! [`Plan`]: what a picture needs of a scene, decided before anything is loaded or traced.
+//! [`Plan`]: which parts of a scene and which rays the wanted pictures need, before anything is loaded or traced.
 //!
-//! A scene pays only for what it needs. What is left out here can change no byte of any picture that was asked for.
+//! A scene pays only for what it needs. What is left out here can change no byte of any picture.
 
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use vecmath::Real;
 
-/// What is to be done. Everything not named here is left out.
+/// The work to do. Everything that is not named here is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub color: bool,
@@ -21,19 +21,19 @@ pub struct Plan {
     pub shadows: bool,
     /// Where shadow and mirror rays start.
     pub epsilon: Epsilon,
-    /// Depart from the starter where its shortcuts give wrong pictures.
+    /// Do without the starter's shortcuts where they give wrong pictures.
     pub robust: bool,
     /// Render one ray at a time, by the definition.
     pub plain: bool,
-    /// Mirror rays after one another; 0 where no material in use is a mirror.
+    /// Largest number of mirror rays along a path; 0 if no material in use is a mirror.
     pub bounces: u32,
-    /// Whether any ray's colour may come from the cube map.
+    /// Whether the cube map may be seen.
     pub cube_map: bool,
-    /// No reflected light is brighter than this in any component, if such a bound is known.
+    /// Upper bound of reflected light in any component, if one is known.
     pub radiance_bound: Option<Real>,
     /// The instruction set that rays are computed with.
     pub simd: InstructionSet,
-    /// Why something was left out, a sentence each.
+    /// What is left out and why, a sentence each.
     pub left_out: Vec<String>,
 }
 
@@ -66,18 +66,18 @@ impl Plan {
             left_out,
         };
         if color {
-            plan.decide_lights(description, &materials);
-            plan.decide_rays(options, description, &materials);
+            plan.choose_lights(description, &materials);
+            plan.choose_rays(options, description, &materials);
         }
         plan
     }
 
     /// A light without colour, or whose colour no material in use answers, adds exactly nothing.
-    fn decide_lights(&mut self, description: &Description, materials: &[&Material]) {
+    fn choose_lights(&mut self, description: &Description, materials: &[&Material]) {
         for (index, light) in description.lights.iter().enumerate() {
             let light = &light.value;
-            // Infinite light times zero is not nothing but NaN, which the starter shows as black.
-            if light.is_infinite() || materials.iter().any(|material| material.answers(light.color())) {
+            // Infinite light times zero is not zero but NaN, which the starter shows as black.
+            if light.is_infinite() || materials.iter().any(|material| material.reflects(light.color())) {
                 self.lights.push(index);
             } else {
                 self.left_out.push(format!("light {}: no material in use answers its colour", index + 1));
@@ -86,7 +86,7 @@ impl Plan {
     }
 
     /// Mirror and shadow rays are traced only where a material or a light asks for them.
-    fn decide_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
+    fn choose_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
         let has_mirror = materials.iter().any(|material| material.is_mirror());
         self.shadows = options.shadows && !self.lights.is_empty();
         self.bounces = if has_mirror { options.bounces } else { 0 };
@@ -106,7 +106,7 @@ impl Plan {
         self.radiance_bound = radiance_bound(description, &self.lights, materials, self.robust);
     }
 
-    /// The plan as a text for a person.
+    /// Returns the plan as text for the user.
     pub fn explain(&self, options: &Options) -> String {
         let mut text = String::new();
         let pictures = [(self.color, "colour"), (self.normals, "normals"), (self.depth, "depth")];
@@ -166,10 +166,10 @@ fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a Leaf)) {
     }
 }
 
-/// A bound on the colour that any ray sees before mirrors are followed, per component.
+/// Returns an upper bound of the colour that any ray sees before mirrors are followed, in any component.
 ///
-/// There is none with a point light, which grows without limit towards its position, nor where a plane's normal is
-/// not a unit vector, which lets mirrored directions grow.
+/// There is none with a point light, because its light grows without limit near its position. There is none if a
+/// plane's normal is not a unit vector, because mirrored directions then grow.
 fn radiance_bound(
     description: &Description,
     lights: &[usize],
@@ -199,7 +199,7 @@ fn radiance_bound(
         Some(_) => 1.0,
         None => description.background.color.max_abs(),
     };
-    // Twice, because vectors are of unit length only up to rounding, and shininess amplifies that.
+    // Doubled, because unit vectors have length 1 only up to rounding, and shininess amplifies the difference.
     let bound = 2.0 * reflected.max(background);
     bound.is_finite().then_some(bound)
 }

@@ -8,10 +8,10 @@ pub struct Bar(ProgressBar);
 
 impl Bar {
     pub fn new(quiet: bool) -> Self {
-        // The draw target asks for itself whether it is a terminal.
+        // The draw target finds out by itself whether it is a terminal.
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(None, target);
-        // Parsing the template is part of the start-up of every run, so it is left to those that show it.
+        // Parsing the template takes a part of the start-up time, so it is only done if the bar is shown.
         if !bar.is_hidden()
             && let Ok(style) = ProgressStyle::with_template("{bar:40} {percent}%  {elapsed} elapsed, {eta} left")
         {

@@ -100,7 +100,7 @@ impl BesideSurface {
         if !is_robust {
             return (Ray { origin: self.surface.beside(to_light), direction: to_light }, distance);
         }
-        let origin = self.surface.point + self.to_eye * self.surface.gap;
+        let origin = self.surface.point + self.to_eye * self.surface.error_bound;
         let seen = light.illuminate(origin);
         (Ray { origin, direction: seen.to_light }, shadow_t_max(origin, seen.distance))
     }
@@ -124,7 +124,7 @@ mod tests {
     const DOWN: Ray = Ray { origin: Vector3::new(0.0, 2.0, 0.0), direction: Vector3::new(0.0, -1.0, 0.0) };
 
     fn surface() -> SurfacePoint {
-        SurfacePoint { point: Vector3::new(0.0, 0.5, 0.0), normal: -Y, gap: 0.125 }
+        SurfacePoint { point: Vector3::new(0.0, 0.5, 0.0), normal: -Y, error_bound: 0.125 }
     }
 
     #[test]

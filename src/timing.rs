@@ -1,6 +1,4 @@
-//! [`Stopwatch`] measures [`Times`]: how long something took on the clock, and how long it kept the processors busy.
-//!
-//! Reads clocks and nothing else. What the times belong to is the caller's business.
+//! [`Stopwatch`] measures [`Times`]: wall time and processor time.
 
 use std::ops::{Add, AddAssign};
 use std::time::{Duration, Instant};
@@ -48,26 +46,26 @@ impl Stopwatch {
         Self { wall: Instant::now(), cpu: processor_time() }
     }
 
-    /// The times since the start.
+    /// Returns the time since the start.
     pub fn times(&self) -> Times {
         Times { wall: self.wall.elapsed(), cpu: processor_time().saturating_sub(self.cpu) }
     }
 }
 
-/// Processor time of this process so far.
+/// Returns the processor time of this process so far.
 #[cfg(unix)]
 fn processor_time() -> Duration {
     use rustix::time::{ClockId, clock_gettime};
     Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap_or_default()
 }
 
-/// Zero: how to ask other systems is not known here.
+/// Returns zero: processor time is only known on Unix.
 #[cfg(not(unix))]
 fn processor_time() -> Duration {
     Duration::ZERO
 }
 
-/// Does something, and measures it.
+/// Runs `work` and measures its time.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Times) {
     let watch = Stopwatch::start();
     let result = work();
@@ -81,7 +79,7 @@ mod tests {
     #[test]
     fn work_takes_both_kinds_of_time() {
         let watch = Stopwatch::start();
-        // Other threads may add processor time, and nothing takes it away.
+        // Other threads can only add processor time.
         let start = Instant::now();
         while start.elapsed() < Duration::from_millis(20) {
             std::hint::spin_loop();

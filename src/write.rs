@@ -1,4 +1,4 @@
-//! Writes what a run has found: pictures and tables into files, messages to standard error.
+//! Writes the results of a run: pictures and tables to files, messages to standard error.
 
 use crate::error::Error;
 use crate::film::{self, Film};
@@ -9,15 +9,15 @@ use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Writes to standard error. That nobody reads it is no reason to fail.
+/// Writes to standard error. Errors of writing are ignored, because a closed pipe is no reason to fail.
 pub fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
-/// Finds out whether all files can be written, before a long computation and not after.
+/// Checks before a long computation that all files can be written.
 ///
 /// # Errors
-/// [`Error::File`] for the first one that cannot.
+/// [`Error::File`] for the first file that cannot be written.
 pub fn check_files(options: &Options) -> Result<(), Error> {
     let depth = options.depth.as_ref().map(|depth| depth.path.as_path());
     let pictures = [options.color.as_deref(), options.normals.as_deref(), depth];
@@ -26,11 +26,11 @@ pub fn check_files(options: &Options) -> Result<(), Error> {
     pictures.into_iter().chain(others).flatten().try_for_each(film::check_writable)
 }
 
-/// When to stop tracing rays, so that there is time left to write the pictures. `None` without a limit.
+/// Returns when to stop tracing rays, so that there is time left to write the pictures. `None` without a limit.
 pub fn deadline(options: &Options) -> Option<Instant> {
-    /// A slow disk, and a PNG that does not compress.
+    /// Of a slow disk, for a PNG that does not compress.
     const BYTES_A_SECOND: f64 = 60e6;
-    /// What cannot be interrupted: the rays under way, starting and ending threads.
+    /// Seconds for what cannot be interrupted: rays that are being traced, starting and ending threads.
     const MARGIN: f64 = 0.01;
     let limit = options.measure.time_limit?;
     let planes = [options.color.is_some(), options.normals.is_some(), options.depth.is_some()];
@@ -40,7 +40,7 @@ pub fn deadline(options: &Options) -> Option<Instant> {
         * f64::from(options.height)
         * if options.color_is_numbers() { 4.0 } else { 1.0 };
     let seconds = (limit - bytes / BYTES_A_SECOND - MARGIN).max(0.0);
-    // A limit beyond the clock's range is none.
+    // A limit beyond the range of the clock is no limit.
     Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?)
 }
 
@@ -64,7 +64,7 @@ pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
     })
 }
 
-/// Writes the tables that are asked for, and says what is to be said at the end of a run.
+/// Writes the tables that `options` ask for, and the messages at the end of a run.
 ///
 /// # Errors
 /// [`Error::File`] for a file that cannot be written.

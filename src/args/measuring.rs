@@ -1,11 +1,11 @@
-//! The flags that choose samples, and those that ask how wrong the picture is and what it cost.
+//! Parses the flags about samples, errors and cost.
 
 use super::typed::{Typed, must_be_png, must_be_supported, usage_error};
 use crate::error::Error;
 use crate::options::{MAX_SAMPLES, MeasureOptions, SamplerKind, has_extension};
 use std::path::PathBuf;
 
-/// Flags that make no sense without random samples, and therefore ask for them as `-jitter` does.
+/// Flags that need random samples, and therefore imply `-jitter`.
 const IMPLY_JITTER: [&str; 6] = ["samples", "sampler", "error-map", "convergence", "target-error", "time-limit"];
 
 pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
@@ -32,7 +32,7 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
     }
 }
 
-/// The first flag given that measures colours, which must then be rendered.
+/// Returns the first given flag that measures colours and so needs a colour picture.
 pub(super) fn needs_color(options: &MeasureOptions) -> Option<&'static str> {
     let flags = [
         ("error-map", options.error_map.is_some()),
@@ -43,18 +43,18 @@ pub(super) fn needs_color(options: &MeasureOptions) -> Option<&'static str> {
     flags.into_iter().find(|flag| flag.1).map(|flag| flag.0)
 }
 
-/// The files to be written.
+/// Returns the files to write.
 pub(super) fn outputs(options: &MeasureOptions) -> [Option<&PathBuf>; 3] {
     [options.error_map.as_ref(), options.report.as_ref(), options.convergence.as_ref()]
 }
 
-/// Whether the samples are random: `-jitter`, or a flag that implies it.
+/// Returns whether the samples are random: `-jitter`, or a flag that implies it.
 pub(super) fn jitter(typed: &Typed) -> bool {
     typed.has("jitter") || IMPLY_JITTER.into_iter().any(|flag| typed.has(flag))
 }
 
-/// Stratified samples cannot be extended without a loss, so where the number of samples is found out while
-/// rendering, the default is Sobol.
+/// Parses `-sampler`. A stratified set cannot be extended, so the default is Sobol where the number of samples is
+/// determined while rendering.
 fn sampler(typed: &Typed) -> Result<SamplerKind, Error> {
     let Some(name) = typed.values("sampler").first().map(|name| name.to_string_lossy()) else {
         let is_adaptive = typed.has("target-error") || typed.has("time-limit");

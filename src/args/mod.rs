@@ -1,7 +1,7 @@
-//! The command line: what was typed in, what is meant out.
+//! The argument parser: a command line in, [`Options`] out.
 //!
-//! The flags are the course's single-dash long flags (`-input`); the double-dash spelling works too. `clap` splits the
-//! line into flags and values; the values are judged here, so that every message names flag, value and expectation.
+//! The flags are the course's long flags with one dash (`-input`); two dashes work too. `clap` splits the line into
+//! flags and values. The values are checked here, so that every message names flag, value and expectation.
 
 mod measuring;
 mod typed;
@@ -17,10 +17,10 @@ use typed::{
     FLAGS, Typed, command, explained, must_be_a_picture, must_be_png, usage, usage_error, with_two_dashes,
 };
 
-/// What the program is asked to do.
+/// What a command line asks the program to do.
 #[derive(Debug)]
 pub enum Request {
-    /// Print this text and end well.
+    /// Print this text and end with exit code 0.
     Print(String),
     /// No arguments: print this text and end with exit code 1, as the starter does.
     PrintUsage(String),
@@ -28,10 +28,10 @@ pub enum Request {
     Compare(CompareOptions),
 }
 
-/// Understands a command line, program name not included.
+/// Parses a command line, without the program's name.
 ///
 /// # Errors
-/// [`Error::Usage`] for a command line that makes no sense.
+/// [`Error::Usage`] for a wrong command line.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
     let argv: Vec<OsString> = argv.into_iter().map(with_two_dashes).collect();
     if argv.is_empty() {
@@ -136,7 +136,7 @@ fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {
     Ok(Some(DepthPicture { min, max, path }))
 }
 
-/// `-epsilon E|auto`; `-robust` means `auto` unless a number is given.
+/// Parses `-epsilon E|auto`; `-robust` means `auto` unless a number is given.
 fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
     if typed.values("epsilon").first().is_some_and(|value| *value == "auto") {
         return Ok(Epsilon::Auto);

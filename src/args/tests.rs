@@ -34,7 +34,7 @@ fn one_dash_and_two_mean_the_same_in_any_order() {
 }
 
 #[test]
-fn the_last_one_of_a_repeated_flag_counts() {
+fn the_last_of_a_repeated_flag_counts() {
     let options = render("-input s.txt -input t.txt -output o.png -size 1 2 -size 3 4 -jitter -jitter");
     assert_eq!((options.input, options.width, options.height), (PathBuf::from("t.txt"), 3, 4));
 }
@@ -56,7 +56,7 @@ fn robust_rays_start_just_off_the_surface_unless_a_distance_is_given() {
 }
 
 #[test]
-fn nonsense_names_flag_value_and_expectation() {
+fn errors_name_flag_value_and_expectation() {
     for (line, parts) in [
         ("-input s.txt", &["-output", "-depth"] as &[_]),
         ("-output o.png", &["-input"]),

@@ -1,4 +1,4 @@
-//! The flags and values as typed: `clap` splits the line, and what it refuses is said in this program's words.
+//! The flags and values as typed: `clap` splits the line, and its errors are put into this program's words.
 
 use crate::error::{Error, probably_meant};
 use crate::options::has_extension;
@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Every way in which `-robust` departs from the starter.
+/// Help text: all differences of `-robust` from the starter.
 const ROBUST_HELP: &str = "
 With -robust, and without losing a digit of what the default gets right:
   - shadow and mirror rays start as far off a surface as its rounding asks for (-epsilon auto), not 0.01 along them
@@ -68,7 +68,7 @@ pub(super) const FLAGS: &[Flag] = &[
     ("version", &[], "Print the version"),
 ];
 
-/// `-input` as clap knows it: `--input`. Values (numbers, single letters, a lone dash) stay as they are.
+/// Turns `-input` into `--input`, as clap expects it. Values (numbers, words, a single dash) stay as they are.
 pub(super) fn with_two_dashes(typed: OsString) -> OsString {
     let Some(text) = typed.to_str() else {
         return typed;
@@ -79,12 +79,12 @@ pub(super) fn with_two_dashes(typed: OsString) -> OsString {
     }
 }
 
-/// The command line as clap splits it. Of a flag given twice the last one counts.
+/// Makes the clap command of all flags. If a flag is given twice, the last one counts.
 pub(super) fn command() -> clap::Command {
     let flag = |&(name, values, _): &Flag| {
         let arg = Arg::new(name).long(name);
         if values.is_empty() {
-            // A repeated switch is no error: counting swallows it.
+            // Counted, because a repeated switch is not an error.
             arg.action(ArgAction::Count)
         } else {
             arg.action(ArgAction::Set)
@@ -101,7 +101,7 @@ pub(super) fn command() -> clap::Command {
         .args(FLAGS.iter().map(flag))
 }
 
-/// The text of `-help`.
+/// Returns the text of `-help`.
 pub(super) fn usage() -> String {
     let mut text = "Usage: a2 -input SCENE.txt -output PICTURE.png [flags]\n\n\
                     Renders a scene into PNG pictures of colour, depth and normals.\n\nFlags (one dash or two):\n"
@@ -115,7 +115,7 @@ pub(super) fn usage() -> String {
     text
 }
 
-/// clap's refusal in this program's words.
+/// Puts an error of clap into this program's words.
 pub(super) fn explained(error: &clap::Error) -> String {
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),
@@ -160,12 +160,12 @@ impl Typed<'_> {
         self.values(flag).first().map(PathBuf::from)
     }
 
-    /// A picture to be written, which must be a PNG by its name.
+    /// Returns the path of a picture to write; its name must end in `.png`.
     pub(super) fn png_path(&self, flag: &str) -> Result<Option<PathBuf>, Error> {
         self.path(flag).map(|path| must_be_png(flag, path)).transpose()
     }
 
-    /// The `index`th value of a flag as a `T` that `accepts` likes.
+    /// Parses the `index`th value of a flag as a `T`. `accepts` says whether it is in range.
     pub(super) fn number<T: FromStr>(
         &self,
         flag: &str,
@@ -194,7 +194,7 @@ pub(super) fn must_be_png(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
     Err(usage_error(flag, message))
 }
 
-/// The colour picture may also hold numbers instead of bytes.
+/// Checks the name of the colour picture, which may also hold numbers instead of bytes.
 pub(super) fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
     if ["pfm", "exr"].iter().any(|extension| has_extension(&path, extension)) {
         return must_be_supported("output", path);

@@ -1,7 +1,7 @@
 //! Boxes in, [`Bvh`] out: builds a binary tree by the surface area heuristic ([`sah`]), and collapses it to the cheapest
 //! tree of eight boxes a node.
 //!
-//! Which nodes of the binary tree remain is decided from the leaves upwards for the whole tree (Ylitie, Karras, Laine:
+//! The collapse is optimal for the whole tree: costs are computed from the leaves upwards (Ylitie, Karras, Laine:
 //! Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, 2017, section 3). Subtrees are built in
 //! parallel. The tree does not depend on the number of threads or on the instruction set.
 
@@ -14,11 +14,11 @@ use std::array::from_fn;
 
 pub use super::sah::Item;
 
-/// Below this depth ranges are halved by number alone, so that no tree is deeper than about this + 31.
+/// Below this depth every split halves the number of items, so that no tree is deeper than about this + 31.
 const SAH_DEPTH: usize = 64;
 
-/// Builds a tree whose leaves hold at most `LEAF_ITEMS` items; `leaf` makes a leaf of its items' numbers. Items must be in
-/// `space`.
+/// Builds a tree whose leaves hold at most `LEAF_ITEMS` items; `leaf` makes a leaf of the numbers of its items. Items
+/// must be in `space`.
 pub fn build<const LEAF_ITEMS: usize, Leaf: Send>(
     space: CullingSpace,
     mut items: Vec<Item>,
@@ -44,19 +44,20 @@ struct Binary {
     planes: Planes,
     start: u32,
     count: u32,
-    /// How many nodes later its second child comes; 0 for a leaf.
+    /// Distance from this node to its second child; 0 for a leaf.
     second: u32,
-    /// For each number of boxes from 1 to 8, the best way to share them between its children.
+    /// For each number of boxes from 1 to 8, the cheapest division of the boxes between the children.
     shares: [Share; WIDTH],
 }
 
-/// Boxes for the first child and for the second, or [`WHOLE`].
+/// Number of boxes for the first child and for the second, or [`WHOLE`].
 type Share = (u8, u8);
 /// One box for both children together.
 const WHOLE: Share = (0, 0);
 
-/// The least costs of a subtree of the binary tree in up to 1, 2, ... 7 boxes, in visits of nodes. Leaves cost nothing: they
-/// are visited in any case.
+/// The least costs of a subtree of the binary tree if it becomes at most 1, 2, ... 7 boxes, in visits of nodes.
+/// Leaves
+/// cost nothing, because they are visited in any case.
 type Costs = [f32; WIDTH - 1];
 
 /// Adds the binary tree of a range of items, which starts at `start`, to `nodes`.
@@ -75,7 +76,7 @@ fn build_range<const LEAF_ITEMS: usize, S: Simd>(
         return [0.0; WIDTH - 1];
     }
     let (first, sides) = if depth < SAH_DEPTH {
-        // Leaves are tested whole, so the cost is how many of them are needed.
+        // A leaf is tested as a whole, so the cost of items is the number of leaves that they need.
         sah::split(simd, items, enclosing, |count| count.div_ceil(LEAF_ITEMS as u32) as f32)
     } else {
         sah::halve(simd, items)
@@ -96,13 +97,13 @@ fn build_range<const LEAF_ITEMS: usize, S: Simd>(
         nodes.append(&mut below);
         [left, right]
     };
-    let (costs, shares) = shared_out(&costs, enclosing.boxes.half_area());
+    let (costs, shares) = cheapest_shares(&costs, enclosing.boxes.half_area());
     nodes[index].shares = shares;
     costs
 }
 
-/// Returns the costs of a node from those of its children, and how its boxes are shared between them.
-fn shared_out([left, right]: &[Costs; 2], area: f32) -> (Costs, [Share; WIDTH]) {
+/// Returns the costs of a node from the costs of its children, and the cheapest division of its boxes between them.
+fn cheapest_shares([left, right]: &[Costs; 2], area: f32) -> (Costs, [Share; WIDTH]) {
     let mut shares = [WHOLE; WIDTH];
     let mut costs = [f32::INFINITY; WIDTH];
     for boxes in 2..=WIDTH {
@@ -125,7 +126,7 @@ fn shared_out([left, right]: &[Costs; 2], area: f32) -> (Costs, [Share; WIDTH]) 
     (costs, shares)
 }
 
-/// Collapses a binary tree to one of eight boxes a node.
+/// Collapses a binary tree to a tree of eight boxes a node.
 struct Collapse {
     binary: Vec<Binary>,
     nodes: Vec<Node>,
@@ -133,7 +134,7 @@ struct Collapse {
 }
 
 impl Collapse {
-    /// Adds the wide node of a binary node, and everything below it.
+    /// Adds the wide node of a binary node, and all nodes below it.
     fn add_node(&mut self, of: usize) -> Child {
         let index = self.nodes.len();
         self.nodes.push(Node::EMPTY);

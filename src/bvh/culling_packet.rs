@@ -7,12 +7,13 @@ use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat, vector
 use fearless_simd::prelude::*;
 use vecmath::Real;
 
-/// Vectors of eight lanes in a packet.
+/// Number of groups of eight lanes in a packet.
 pub const GROUPS: usize = PACKET / WIDTH;
 /// A number for each lane.
 type Lanes = [Eight; GROUPS];
 
-/// Rays in culling space, lane by lane. A lane that holds no ray, or whose query is answered, has the limit [`DONE`].
+/// Rays in culling space, lane by lane. A lane without a ray has the limit [`DONE`], and so has a lane whose query is
+/// finished.
 pub struct CullingPacket {
     pub origin: [Lanes; 3],
     pub direction: [Lanes; 3],
@@ -36,8 +37,9 @@ impl CullingPacket {
         rate: [1.0; PACKET],
     };
 
-    /// Replaces all rays by those of the active lanes that enter the space within their `t_max`. Returns the lanes that
-    /// have entered, and those whose rays are unbounded and may meet an item: every item must be tested for them.
+    /// Fills the packet with the rays of the active lanes that enter the space within their `t_max`. Returns the mask
+    /// of
+    /// these lanes, and the mask of unbounded rays that may meet an item: for these every item must be tested.
     pub fn enter<S: Simd>(
         &mut self,
         simd: S,
@@ -47,13 +49,14 @@ impl CullingPacket {
         t_max: &Scalars,
     ) -> (u64, u64) {
         let (entered, unbounded) = self.enter_bounded(simd, space, rays, active, t_max);
-        // Apart from the loop, because a call there would cost the loop its vectorisation.
+        // Not in the vectorised loop, because a call there would keep it from being vectorised.
         let grazing = lanes_in(unbounded).filter(|&lane| space.may_graze(&rays.get_prepared(lane), t_max[lane]));
         (entered, grazing.fold(0, |mask, lane| mask | 1 << lane))
     }
 
-    /// Does the work of [`enter`](Self::enter) for bounded rays. Returns the lanes that have entered, and all lanes whose
-    /// rays are unbounded.
+    /// Does the work of [`enter`](Self::enter) for bounded rays. Returns the mask of lanes that have entered, and the
+    /// mask
+    /// of all unbounded rays.
     fn enter_bounded<S: Simd>(
         &mut self,
         simd: S,
@@ -66,12 +69,12 @@ impl CullingPacket {
             self.limit = Self::EMPTY.limit;
             // 0: missed, 1: entered, 2: unbounded.
             let mut states = [[0.0f32; WIDTH]; GROUPS];
-            // Apart from `self`, because the compiler does not see that these `f64` do not overlap its `f32`.
+            // Not in `self`, because the compiler does not see that these `f64` do not overlap its `f32`.
             let (mut start, mut rate) = ([0.0; PACKET], [1.0; PACKET]);
             for lane in span(active) {
                 let ray = rays.get_prepared(lane);
                 let (meets, entry) = space.bounds().entry_branchless(&ray, 0.0, t_max[lane]);
-                // A lane that is not active must stay out: it would widen the traversal.
+                // An inactive lane must stay out: its ray would make the packet visit more nodes.
                 let is_active = has_lane(active, lane);
                 let is_bounded = space.is_bounded(&ray.ray);
                 let moved = space.moved(&ray, entry);
@@ -95,7 +98,7 @@ impl CullingPacket {
         })
     }
 
-    /// Sets a ray, but for its start and rate.
+    /// Sets everything of a ray but its start and rate.
     #[inline(always)]
     fn set(&mut self, lane: usize, ray: &CullingRay, limit: f32) {
         for (axis, product) in ray.origin_times_inverse().into_iter().enumerate() {
@@ -124,7 +127,7 @@ impl CullingPacket {
         self.limit.as_flattened()[lane]
     }
 
-    /// Lowers a lane's limit to a t of its ray. Minus infinity ends the query.
+    /// Lowers a lane's limit to `t_max` of its ray. Minus infinity ends the query.
     #[inline(always)]
     pub fn set_t_max(&mut self, lane: usize, t_max: Real) {
         self.limit.as_flattened_mut()[lane] = space::limit(t_max, self.start[lane], self.rate[lane]);
@@ -149,7 +152,7 @@ impl CullingPacket {
         largest.reduce_max()
     }
 
-    /// Puts origin and direction of one ray into all lanes of a vector.
+    /// Copies origin and direction of one ray into all lanes of a vector.
     #[inline(always)]
     pub fn splat_ray<S: Simd>(&self, simd: S, lane: usize) -> [[f32x8<S>; 3]; 2] {
         let of = |lanes: &[Lanes; 3], axis: usize| splat(simd, lanes[axis].as_flattened()[lane]);

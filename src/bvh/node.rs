@@ -1,18 +1,19 @@
 //! [`Bvh`] and its [`Node`]s of eight boxes, laid out as vectors are loaded.
 //!
-//! The tree knows boxes and not what its leaves stand for. [`build`](super::build) makes one; whoever traverses it tests
-//! the leaves.
+//! The tree knows boxes and not what its leaves stand for. [`build`](super::build) makes a tree; the code that
+//! traverses
+//! it tests the leaves.
 
 use super::space::{CullingSpace, Planes};
 use crate::simd::{Eight, WIDTH};
 
-/// Eight boxes and what is in them: 224 bytes, seven vectors.
+/// Eight boxes and their children: 224 bytes, seven vectors.
 ///
 /// | bytes | what |
 /// |---|---|
 /// | 0..96 | lower x of the eight boxes, then lower y, lower z |
 /// | 96..192 | upper x, y, z |
-/// | 192..224 | what is in the eight boxes, see [`Child`] |
+/// | 192..224 | the eight children, see [`Child`] |
 ///
 /// Boxes are in the tree's [`CullingSpace`], margin included. Unused places come last. Their boxes are one point far
 /// away (10^30 on each axis), which no ray meets within its limit.
@@ -23,8 +24,8 @@ pub struct Node {
     pub children: [Child; WIDTH],
 }
 
-/// What is in a box: with bit 31 set, the leaf whose index the other bits are; otherwise the node of that index, which is
-/// larger than its parent's. With all bits set there is nothing.
+/// The content of a box. Bit 31 says whether it is a leaf; the other bits are the index of the leaf or node. A node's
+/// index is larger than its parent's. All bits set: no child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Child(u32);
@@ -97,8 +98,9 @@ impl<Leaf> Bvh<Leaf> {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.leaves.as_slice())
     }
 
-    /// Checks the structure: every node but the root and every leaf is in exactly one box, that box encloses what is in
-    /// it, and unused places are last and empty. `leaf_planes` returns what a leaf's box must enclose.
+    /// Checks the structure: every leaf and every node but the root is in exactly one box, each box encloses its
+    /// content,
+    /// and unused places are last and empty. `leaf_planes` returns the box around a leaf.
     ///
     /// # Errors
     /// The first flaw in words.

@@ -1,8 +1,9 @@
-//! [`Item`]s in, the cheapest of some ways to split them in two out.
+//! Splits items in two by the surface area heuristic: [`Item`]s in, the cheapest of several splits out.
 //!
-//! Splits are chosen by the surface area heuristic over binned centres (Wald: On fast Construction of SAH-based
-//! Bounding Volume Hierarchies, 2007). Nothing depends on the number of threads or on the instruction set: minima and
-//! counts come out the same in any order.
+//! The centres of the items are sorted into bins (Wald: On fast Construction of SAH-based Bounding Volume
+//! Hierarchies,
+//! 2007). Nothing depends on the number of threads or on the instruction set: minima and counts are the same in any
+//! order.
 
 use super::space::Planes;
 use crate::simd::{Eight, Simd, WIDTH, load, splat, vectorize};
@@ -10,13 +11,14 @@ use fearless_simd::prelude::*;
 use rayon::prelude::*;
 use std::array::from_fn;
 
-/// Splits are tried at up to so many places an axis.
+/// Largest number of bins on an axis.
 const BINS: usize = 16;
-/// Ranges above this length are shared out among threads.
+/// Longer ranges of items are divided among threads.
 pub const PARALLEL_ITEMS: usize = 1 << 14;
 
-/// A box as eight numbers: lower x, y, z and one unused, then upper x, y, z with their signs changed and one unused. So the
-/// box around two boxes is one minimum of vectors.
+/// A box as eight numbers: lower x, y, z and one unused, then the negated upper x, y, z and one unused. So the box
+/// around
+/// two boxes is one minimum of vectors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Bounds(Eight);
@@ -46,8 +48,8 @@ impl Bounds {
     }
 }
 
-/// What is to be put into a tree: its box in culling space, and its number, whose halves are in the box's two unused
-/// numbers.
+/// An item of a tree: its box in culling space, and its number, stored in two halves in the unused numbers of the
+/// box.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Item(Eight);
@@ -96,8 +98,9 @@ impl Enclosing {
     }
 }
 
-/// Sorts items into two parts, neither of them empty: the cheapest split by the surface area heuristic, or halves if all
-/// centres coincide. Returns the length of the first part and what encloses each.
+/// Sorts items into two parts, neither of them empty: the cheapest split by the surface area heuristic, or halves if
+/// all
+/// centres coincide. Returns the length of the first part and the boxes around each part.
 pub fn split<S: Simd>(
     simd: S,
     items: &mut [Item],
@@ -141,13 +144,13 @@ struct Grid {
 
 impl Grid {
     fn new(centers: &Bounds, items: usize) -> Self {
-        // Few items need few bins, and looking through them is most of the work then.
+        // Few items need few bins: the search over the bins would be most of the work.
         let bins = BINS.min(8 + items / 16).min(2 * items);
         let low = from_fn(|axis| if axis < 3 { centers.0[axis] } else { 0.0 });
         let per_length = |axis: usize| {
             let extent = -centers.0[axis + 4] - centers.0[axis];
             let per_length = 0.999 * bins as f32 / extent;
-            // Without extent everything falls into bin 0, and no split is found.
+            // If all centres have one coordinate, all items fall into bin 0, and no split is found.
             if axis < 3 && per_length.is_finite() { per_length } else { 0.0 }
         };
         Self { low, per_length: from_fn(per_length), bins }
@@ -155,7 +158,9 @@ impl Grid {
 
     #[inline(always)]
     fn bin_of(&self, item: &Item, axis: usize) -> usize {
-        // Added to a number from -1/2 to 15.5 it leaves that, rounded, in the last bits: less work than a conversion.
+        // A number from -1/2 to 15.5 plus this constant has the rounded number in its last bits. This is faster than
+        // a
+        // conversion to an integer.
         const ROUNDED: f32 = (3 << 22) as f32;
         let axis = axis % 4;
         let place = (item.0[axis] - item.0[axis + 4] - self.low[axis]) * self.per_length[axis] - 0.5;
@@ -188,7 +193,7 @@ impl Bins {
         [left, right].map(|bins| bins.iter().fold(Bounds::EMPTY, |all, bin| all.merged(*bin)))
     }
 
-    /// Adds items.
+    /// Adds items to their bins.
     fn fill<S: Simd>(&mut self, simd: S, items: &[Item], grid: &Grid) {
         vectorize!(simd, {
             for item in items {
@@ -206,7 +211,7 @@ impl Bins {
         vectorize!(simd, {
             let (mut least, mut best) = (f32::INFINITY, None);
             for (axis, (bounds, counts)) in self.bounds.iter().zip(&self.counts).enumerate() {
-                // Where a side is empty the product is infinite or NaN, and never the least.
+                // If a side is empty, its cost is infinite or NaN, which is never the least.
                 let mut right = [0.0; BINS];
                 let (mut around, mut count) = (Bounds::EMPTY, 0);
                 for plane in (1..grid.bins).rev() {
@@ -229,8 +234,9 @@ impl Bins {
     }
 }
 
-/// Puts the items whose bin on `axis` is below `plane` first. Returns how many they are, and the boxes around twice the
-/// centres of each part.
+/// Moves the items whose bin on `axis` is below `plane` to the front. Returns their number, and the boxes around
+/// twice
+/// the centres of each part.
 fn partition<S: Simd>(
     simd: S,
     items: &mut [Item],
@@ -242,7 +248,7 @@ fn partition<S: Simd>(
         let mut centers = [splat(simd, f32::INFINITY); 2];
         let mut first = 0;
         for place in 0..items.len() {
-            // No branch, because nothing predicts on which side the next item lies.
+            // No branch, because the side of the next item cannot be predicted.
             let item = items[place];
             let is_first = grid.bin_of(&item, axis).wrapping_sub(plane) >> (usize::BITS - 1);
             items[place] = items[first];
@@ -285,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn items_are_parted_where_the_gap_is() {
+    fn items_are_split_between_two_clusters() {
         let place = |number: u32| (number * 37 % 64) as f32 / 64.0 - if number < 33 { 3.0 } else { 0.0 };
         let item = |number| Item::new(number, &[place(number), 0.0, 0.0, place(number), 0.5, 0.5]);
         let mut items: Vec<Item> = (0..99).rev().map(item).collect();

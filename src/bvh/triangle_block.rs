@@ -1,18 +1,21 @@
-//! [`TriangleBlock`]: eight triangles that are culled at once in `f32`; the exact test in `Real` decides for those left over.
+//! [`TriangleBlock`]: eight triangles that are culled at once in `f32`. The exact test in `Real` decides for the
+//! rest.
 //!
 //! # The error bounds
 //!
-//! With a ray o + t d, a triangle a, a + e1, a + e2, C = a - o, N = e1 x e2 and R = C x d, the ray's point of the
-//! triangle's plane is a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
+//! Let o + t d be a ray and a, a + e1, a + e2 a triangle, with C = a - o, N = e1 x e2 and R = C x d. The ray meets
+//! the
+//! triangle's plane in a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
 //! Intersection, 1997)
 //!
 //! ```text
 //! D = d.N    U = e2.R    V = -e1.R    W = D - U - V    T = C.N
 //! ```
 //!
-//! and it lies in the triangle if U, V and W have one sign. In [`CullingSpace`], let e = 2^-24 and
-//! h the largest component of e1 and e2, differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each axis,
-//! errors (also those of the exact test, which are bounded by e there) add up to
+//! and that point lies in the triangle if U, V and W have one sign. In [`CullingSpace`], let e = 2^-24 and let h be
+//! the
+//! largest component of e1 and e2, which are differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each
+//! axis, the errors add up as follows; the errors of the exact test, bounded by e in each coordinate, are included.
 //!
 //! - C: 1 e for a, 3 e for o, 2 e for the difference: 6 e;
 //! - R: 2 (6 e |d| + 2 e |C|) + 3 roundings of at most 4: below 32 e;
@@ -20,11 +23,13 @@
 //! - N: 2 (2 e h^2) + 3 roundings of 2 h^2: below 10 e h^2; D: 3 (10 + 2) e h^2 + 3 roundings of 6 h^2: below
 //!   54 e h^2 <= 108 e h, because h <= 2;
 //! - W: 144 + 144 + 108 and two roundings of 30 h: below 460 e h;
-//! - T: 3 (6 e 2 h^2 + 2 * 10 e h^2) + 3 roundings of 12 h^2: below 132 e h^2; compared with t D, t <= 4: 350 e h^2
-//!   more; where |D| is within its error its sign means nothing: then |T| <= 4 * 54 e h^2 + 132 e h^2 for a true hit.
+//! - T: 3 (6 e 2 h^2 + 2 * 10 e h^2) + 3 roundings of 12 h^2: below 132 e h^2. The comparison with t D, t <= 4, adds
+//!   350 e h^2. If |D| is within its error, its sign means nothing: then a true hit has
+//!   |T| <= 4 * 54 e h^2 + 132 e h^2.
 //!
-//! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The definition's t is never before the entry into the
-//! triangle's box, which the exact t is not either.
+//! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The t of the exact test is clamped to the triangle's box,
+//! which
+//! moves it towards the true t and not beyond.
 
 use super::build::{self, Item};
 use super::node::Bvh;
@@ -45,12 +50,12 @@ const DISTANCE_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 ///
 /// | bytes | what |
 /// |---|---|
-/// | 0..96 | x of the eight first corners, then y, z: scaled as in culling space, but not moved |
+/// | 0..96 | x of the eight first corners, then y, z: scaled as in culling space, but not translated |
 /// | 96..192 | the second corners |
 /// | 192..288 | the third corners |
 /// | 288..320 | the triangles' indices in the mesh |
 /// | 320..328 | h times [`SIDE_MARGIN`], h^2 times [`DISTANCE_MARGIN`] for the largest h of the block |
-/// | 328..333 | how many triangles there are, and whether scaling has kept their corners exactly |
+/// | 328..333 | the number of triangles, and whether scaling has kept their corners exact |
 /// | 333..352 | unused |
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
@@ -63,8 +68,9 @@ pub struct TriangleBlock {
     is_exact: bool,
 }
 
-/// Builds a tree over triangles 0 to `count`, which lie in `bounds` and whose corners' coordinates are numbers of `f32`.
-/// `None` if there are no triangles or a coordinate is not finite: then every triangle must be tested.
+/// Builds a tree over triangles 0 to `count`, which lie in `bounds`. The coordinates of their corners must be numbers
+/// of
+/// `f32`. Returns `None` if there are no triangles or a coordinate is not finite: then every triangle must be tested.
 pub fn build_triangle_bvh(
     bounds: &Aabb,
     count: usize,
@@ -129,7 +135,7 @@ impl TriangleBlock {
         self.indices[place as usize % WIDTH]
     }
 
-    /// Returns a triangle's corners, exactly; `None` if the block has them rounded.
+    /// Returns a triangle's exact corners; `None` if the block has rounded them.
     #[inline(always)]
     pub fn exact_corners(&self, space: &CullingSpace, place: u32) -> Option<[Vector3; 3]> {
         let place = place as usize % WIDTH;
@@ -138,8 +144,8 @@ impl TriangleBlock {
         self.is_exact.then(|| [corner(a), corner(b), corner(c)])
     }
 
-    /// Culls all triangles for one ray (origin and direction in all lanes): bit i is set unless it is certain that the ray
-    /// does not hit triangle i at a t from 0 to `limit`. `center` is [`CullingSpace::scaled_center`].
+    /// Culls all triangles for one ray (origin and direction in all lanes). Bit i of the result is 0 only if the ray
+    /// certainly does not hit triangle i at a t from 0 to `limit`. `center` is [`CullingSpace::scaled_center`].
     #[inline(always)]
     pub fn candidates<S: Simd>(&self, simd: S, center: [f32; 3], ray: [[f32x8<S>; 3]; 2], limit: f32) -> u32 {
         let [a, b, c] = &self.corners;
@@ -147,7 +153,7 @@ impl TriangleBlock {
         self.may_hit(simd, triangles, ray, splat(simd, limit)) & self.all()
     }
 
-    /// Puts corner and edges of one triangle into all lanes, for [`may_hit`](Self::may_hit).
+    /// Copies one corner and two edges of a triangle into all lanes, for [`may_hit`](Self::may_hit).
     #[inline(always)]
     pub fn splat_triangle<S: Simd>(&self, simd: S, center: [f32; 3], place: u32) -> [[f32x8<S>; 3]; 3] {
         let place = place as usize % WIDTH;
@@ -156,7 +162,7 @@ impl TriangleBlock {
         corner_and_edges(simd, center, [corner(a), corner(b), corner(c)])
     }
 
-    /// Culls in each lane one triangle (corner and edges) for one ray (origin and direction) and its limit.
+    /// Culls one triangle (corner and edges) for one ray (origin and direction) and its limit in each lane.
     #[inline(always)]
     pub fn may_hit<S: Simd>(
         &self,
@@ -193,14 +199,14 @@ impl TriangleBlock {
         planes
     }
 
-    /// Returns a bit for each triangle.
+    /// Returns a mask of all triangles.
     #[inline(always)]
     pub fn all(&self) -> u32 {
         (1 << self.count) - 1
     }
 }
 
-/// Moves triangles to culling space, and returns one corner and two edges of each.
+/// Translates triangles to culling space, and returns one corner and two edges of each.
 #[inline(always)]
 fn corner_and_edges<S: Simd>(simd: S, center: [f32; 3], [a, b, c]: [[f32x8<S>; 3]; 3]) -> [[f32x8<S>; 3]; 3] {
     [difference(a, splat3(simd, center)), difference(b, a), difference(c, a)]

@@ -1,4 +1,4 @@
-//! [`TrueError`]: how wrong a picture is, measured against one that counts as true.
+//! [`TrueError`]: how wrong a picture is, measured against a reference that counts as true.
 //!
 //! Against a reference of numbers (PFM, EXR) the picture's colours are taken before truncation; in *levels*, both are
 //! clamped to \[0, 1\] and multiplied by 255. Against a reference of bytes (PNG) the picture's own bytes are compared,

@@ -1,4 +1,4 @@
-//! [`Aabb`]: an axis-aligned box, and the interval of a ray in it.
+//! [`Aabb`]: an axis-aligned box, and the slab test of a ray against it.
 
 use super::{PreparedRay, T_MAX};
 use vecmath::{Matrix4, Real, Vector3, greater, lesser, swapped_if};
@@ -10,8 +10,8 @@ pub struct Aabb {
     pub max: Vector3,
 }
 
-/// A computed distance to a plane of a box is off by at most four roundings (two subtractions, reciprocal, product); a
-/// distance is therefore widened by this share, after Ize, Robust BVH Ray Traversal (JCGT 2013).
+/// Relative error bound of a distance to a plane of a box: four roundings at most (two subtractions, reciprocal,
+/// product). Distances are widened by this share, after Ize, Robust BVH Ray Traversal (JCGT 2013).
 const SLAB_ERROR: Real = 8.0 * Real::EPSILON;
 
 impl Aabb {
@@ -37,7 +37,7 @@ impl Aabb {
         self.max - self.min
     }
 
-    /// The largest distance of a point of the box from the origin, in the maximum norm.
+    /// Returns the largest distance of a point of the box from the origin, in the maximum norm.
     pub fn max_abs(&self) -> Real {
         self.min.max_abs().max(self.max.max_abs())
     }
@@ -47,17 +47,17 @@ impl Aabb {
         self.min.map(Real::abs).max(self.max.map(Real::abs))
     }
 
-    /// Larger by `margin` on every side.
+    /// Returns the box, larger by `margin` on every side.
     pub fn grown(&self, margin: Real) -> Self {
         self.grown_by(Vector3::splat(margin))
     }
 
-    /// Larger by a margin for each axis.
+    /// Returns the box, larger by a margin for each axis.
     pub fn grown_by(&self, margin: Vector3) -> Self {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
-    /// A box around the image of this one.
+    /// Returns a box around the image of this one.
     pub fn transformed(&self, matrix: &Matrix4) -> Self {
         Self::of_points((0..8).map(|corner| {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
@@ -65,24 +65,26 @@ impl Aabb {
         }))
     }
 
-    /// Returns where the ray enters the box, grown by `margin`, if that is at a t from 0 to `t_max`. A ray that starts
-    /// inside enters at 0.
+    /// Returns the t at which the ray enters the box, grown by `margin`; `None` if it does not enter at a t from 0 to
+    /// `t_max`. A ray that starts inside enters at 0.
     ///
-    /// Never misses a box that the exact ray meets. NaN (0 * infinity: a ray in the plane of a face) counts as met.
+    /// It never misses a box that the exact ray meets. A ray in the plane of a face (0 * infinity, NaN) meets the
+    /// box.
     #[inline(always)]
     pub fn entry(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> Option<Real> {
         let (meets, near) = self.interval(ray, margin, t_max, swapped_if);
         meets.then_some(near)
     }
 
-    /// Returns whether there is an [`entry`](Self::entry), and where. It has no branches: loops over rays vectorise.
+    /// Returns whether there is an [`entry`](Self::entry), and its t. It has no branches, so that loops over rays
+    /// vectorise.
     #[inline(always)]
     pub fn entry_branchless(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> (bool, Real) {
-        // One ray is fastest without a branch; in a loop over several, a select is one instruction anyway.
+        // In a vectorised loop this choice is one select instruction: there is no branch to avoid by hand.
         self.interval(ray, margin, t_max, |so, a, b| if so { (b, a) } else { (a, b) })
     }
 
-    /// The slab test that both share; `swapped_if` swaps two numbers if its first argument is true.
+    /// Runs the slab test that both share; `swapped_if` swaps two numbers if its first argument is true.
     #[inline(always)]
     fn interval(
         &self,
@@ -98,11 +100,11 @@ impl Aabb {
             let a = (self.min[axis] - origin - margin) * inverse;
             let b = (self.max[axis] - origin + margin) * inverse;
             let (enter, leave) = swapped_if(inverse < 0.0, a, b);
-            // NaN is passed over.
+            // NaN changes nothing here.
             near = greater(near, enter * (1.0 - SLAB_ERROR));
             far = lesser(far, leave * (1.0 + SLAB_ERROR));
         }
-        // A negative `leave` was widened the wrong way, but its sign is exact: the box is behind the ray.
+        // A negative `leave` was widened the wrong way. But its sign is exact: the box is behind the ray.
         ((near <= far) & (near < T_MAX), near)
     }
 }

@@ -2,7 +2,7 @@
 
 use vecmath::Real;
 
-/// Hits are nearer than this: the starter begins its search for the nearest hit at the largest `f32`.
+/// Upper limit of t, exclusive: the starter begins its search for the nearest hit at the largest `f32`.
 pub const T_MAX: Real = f32::MAX as Real;
 
 /// Where a ray meets one surface.
@@ -11,18 +11,20 @@ pub struct SurfaceHit {
     pub t: Real,
     /// Index of the triangle in its mesh; 0 for other shapes.
     pub triangle: u32,
-    /// Weights of the triangle's three corners, which sum to 1; zeros for a sphere or a plane.
+    /// Barycentric coordinates of the point: weights of the triangle's three corners, with sum 1. Zeros for a sphere
+    /// or a
+    /// plane.
     pub barycentric: [Real; 3],
 }
 
 impl SurfaceHit {
-    /// A hit of a shape that has no triangles.
+    /// Makes a hit on a shape that has no triangles.
     pub fn at(t: Real) -> Self {
         Self { t, triangle: 0, barycentric: [0.0; 3] }
     }
 }
 
-/// A hit, and which object of the scene it is on.
+/// A hit on an object of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Index into the scene's objects.

@@ -1,4 +1,4 @@
-//! [`Mesh`]: the triangles of an OBJ file, smoothly shaded.
+//! [`Mesh`]: the triangles of an OBJ file and their smooth normals.
 
 use super::Aabb;
 use super::triangle::face_normal;
@@ -8,19 +8,19 @@ use vecmath::{Real, Vector3};
 /// Triangles that share corners by index.
 #[derive(Debug)]
 pub struct Mesh {
-    /// As precise as the OBJ file is read.
+    /// `f32`, because OBJ files are read as `f32`.
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// One a position: unit length, or zero where the faces around it cancel out.
+    /// For each position a unit vector, or zero where the normals of the faces around it cancel out.
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
 }
 
-/// Face normals are computed and added up in batches of this many, so that few are in memory at once.
+/// Face normals are computed and added up in batches of this size, so that few are in memory at once.
 const AT_ONCE: usize = 1 << 16;
 
 impl Mesh {
-    /// A mesh of these positions and corner indices, which must be in range.
+    /// Makes a mesh of positions and corner indices, which must be in range.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let bounds = bounds_of(&positions);
         let mut mesh = Self { positions, triangles, vertex_normals: Vec::new(), bounds };
@@ -28,11 +28,13 @@ impl Mesh {
         mesh
     }
 
-    /// Returns for each position the sum of the unit normals of its faces, normalised. Faces count the same whatever
-    /// their area; a face without area counts nothing.
+    /// Returns for each position the sum of the unit normals of its faces, normalised. All faces count the same,
+    /// whatever
+    /// their area; a face without area does not count.
     fn smooth_normals(&self) -> Vec<Vector3> {
         let mut sums = vec![Vector3::ZERO; self.positions.len()];
-        // Each thread adds up a range of the positions: every sum is made in the order of the file.
+        // Each thread adds up a range of positions. So every sum is made in the order of the file, on any number of
+        // threads.
         let range = sums.len().div_ceil(rayon::current_num_threads()).max(1);
         let mut normals = Vec::new();
         for (chunk, triangles) in self.triangles.chunks(AT_ONCE).enumerate() {
@@ -69,18 +71,19 @@ impl Mesh {
         &self.bounds
     }
 
-    /// The corners of a triangle, in object space.
+    /// Returns the corners of a triangle, in object space.
     pub fn corners(&self, triangle: u32) -> [Vector3; 3] {
         self.triangles[triangle as usize].map(|corner| to_vector(self.positions[corner as usize]))
     }
 
-    /// The unit normals of a triangle's corners; zero where the faces around one cancel out.
+    /// Returns the smooth unit normals at a triangle's corners; zero where the faces around a corner cancel out.
     #[inline(always)]
     pub(crate) fn corner_normals(&self, triangle: u32) -> [Vector3; 3] {
         self.triangles[triangle as usize].map(|corner| self.vertex_normals[corner as usize])
     }
 
-    /// The unit normal at a hit: the corners' normals, weighted. Where they cancel out, the face's own.
+    /// Returns the smooth unit normal at a hit: the corners' normals, interpolated. Where they cancel out, it is the
+    /// normal of the face.
     pub fn normal(&self, triangle: u32, barycentric: [Real; 3]) -> Vector3 {
         let face = || face_normal(self.corners(triangle));
         let mut sum = Vector3::ZERO;
@@ -105,7 +108,7 @@ fn to_vector(position: [f32; 3]) -> Vector3 {
 mod tests {
     use super::*;
 
-    /// A roof: two faces that share an edge along z, one steep, one flat and ten times as large.
+    /// Makes a roof: two faces that share an edge along z, one steep, one flat and ten times as large.
     fn roof() -> Mesh {
         let positions =
             vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [10.0, 0.0, 0.0], [0.0, -1.0, 0.0], [5.0, 5.0, 5.0]];
@@ -139,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn where_normals_cancel_the_face_speaks() {
+    fn where_smooth_normals_cancel_the_normal_is_the_face_s() {
         let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 1]]);
         assert_eq!(mesh.normal(0, [0.2, 0.3, 0.5]), Vector3::new(0.0, 0.0, 1.0));

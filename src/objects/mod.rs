@@ -1,9 +1,9 @@
-//! What a ray can hit: the definition of a hit for every shape, in [`Real`](vecmath::Real), one ray at a time.
+//! Objects: the definition of a hit for every shape, in [`Real`](vecmath::Real), one ray at a time.
 //!
-//! This is the truth. Everything that is faster (`bvh`, `wide`) may only discard what these tests would discard too.
-//! A ray is `origin + t * direction` with a direction of any length, and a hit has 0 < t < [`T_MAX`].
+//! These tests decide what is hit. Everything that is faster (`bvh`, `wide`) may only discard what they would discard
+//! too. A ray is `origin + t * direction` with a direction of any length, and a hit has 0 < t < [`T_MAX`].
 //!
-//! A shape is one file here and a line in each list below. This folder knows nothing of trees and packets.
+//! Each shape has a file here and a line in each list below. Nothing here knows of trees or packets.
 
 mod aabb;
 mod hit;
@@ -31,23 +31,23 @@ pub use triangle::{Triangle, intersect_triangle};
 use surface_point::NearestPoint;
 use vecmath::{Real, Vector3};
 
-/// A shape that a formula describes: one t for a ray, one normal for a point.
+/// A shape that formulas describe: a ray has one nearest t, a point has one normal.
 ///
-/// A shape that implements this is rendered one ray at a time and in packets; nothing is written twice.
+/// A shape that implements this is rendered one ray at a time and in packets. No formula is written twice.
 pub trait Surface {
-    /// Whether [`gradient`](Self::gradient) has to be normalised before it is a normal.
+    /// Whether [`gradient`](Self::gradient) must be normalised to give the normal.
     const NORMALIZES: bool;
 
     /// Returns the nearest t > 0 at which the ray meets the surface.
     fn intersect(&self, ray: &Ray) -> Option<Real>;
 
-    /// Returns a vector across the surface at one of its points, on the side of the normal.
+    /// Returns a vector perpendicular to the surface at one of its points, on the side of the normal.
     fn gradient(&self, point: Vector3) -> Vector3;
 
-    /// Finds the point of the surface nearest to a point beside it; see [`SurfacePoint`].
+    /// Finds the point of the surface that is nearest to a given point; see [`SurfacePoint`].
     fn nearest_point(&self, near: Vector3) -> NearestPoint;
 
-    /// Returns the box around the surface; `None` if it has no end.
+    /// Returns the box around the surface; `None` if the surface is infinite.
     fn bounds(&self) -> Option<Aabb>;
 
     /// Returns the normal at one of the surface's points.
@@ -67,7 +67,7 @@ pub enum Shape {
     Mesh(u32),
 }
 
-/// Matches a shape: the first arm stands for every shape that is a [`Surface`].
+/// Matches a shape. The first arm stands for every shape that is a [`Surface`].
 macro_rules! match_surface {
     ($shape:expr, $surface:ident => $body:expr, $($rest:tt)*) => {
         match $shape {
@@ -80,7 +80,7 @@ macro_rules! match_surface {
 pub(crate) use match_surface;
 
 impl Shape {
-    /// Returns the bounds in object space; `None` for a shape without end.
+    /// Returns the bounds in object space; `None` for an infinite shape.
     pub fn bounds(&self, meshes: &[Mesh]) -> Option<Aabb> {
         match_surface!(self,
             surface => surface.bounds(),
@@ -89,7 +89,7 @@ impl Shape {
         )
     }
 
-    /// Returns whether every normal that is shaded has length 1, up to rounding.
+    /// Returns whether all normals used for shading have length 1, up to rounding.
     pub fn has_unit_normal(&self) -> bool {
         match self {
             Self::Plane(plane) => (plane.shading_normal.length() - 1.0).abs() < 4.0 * Real::EPSILON,
@@ -97,7 +97,7 @@ impl Shape {
         }
     }
 
-    /// Makes the same shape, shaded with unit normals.
+    /// Returns the same shape, shaded with unit normals.
     #[must_use]
     pub fn with_unit_normal(self) -> Self {
         match self {

@@ -6,32 +6,34 @@ use super::{
 };
 use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 
-/// A surface with a place in the world and a material.
+/// An instance of a shape: the shape with a place in the world and a material.
 #[derive(Clone, Debug)]
 pub struct Object {
     pub shape: Shape,
-    /// `None`: the shape stands in world space as it is.
+    /// `None`: object space is world space.
     pub transform: Option<Box<Transform>>,
     /// Index into the scene's materials.
     pub material: u32,
-    /// The box around the object in world space; `None` for a plane, which has no end.
+    /// The box around the object in world space; `None` for a plane, which is infinite.
     pub bounds: Option<Aabb>,
-    /// Error bound of the way to object space: rounding may move a ray sideways by this share of its origin's largest
-    /// coordinate, so the object counts as entered by a ray that passes [`bounds`](Self::bounds) so closely. Zero
-    /// without a transform, because tests of boxes allow for their own rounding; and zero for a sphere, because it
+    /// Error bound of taking a ray to object space: rounding may move the ray sideways by this share of its origin's
+    /// largest coordinate. So a ray that passes [`bounds`](Self::bounds) within this distance counts as entering
+    /// them.
+    /// Zero without a transform, because tests of boxes allow for their own rounding. Zero for a sphere, because it
     /// shares no edge with a neighbour.
     pub sideways_error: Real,
 }
 
-/// Of the largest coordinate of a ray's origin, times the condition number of the transform: taking the ray to object
-/// space (4 u) and the test there (6 u), seen from world space.
+/// Roundings by which a ray may move sideways: 4 u when it is taken to object space, 6 u in the test there. The unit
+/// is
+/// the largest coordinate of the ray's origin, times the condition number of the transform.
 const SIDEWAYS_ROUNDINGS: Real = 16.0;
-/// World bounds are larger than the objects by this share of their largest coordinate at least, so that no later
-/// rounding of bounds needs to be thought of.
+/// Share of their largest coordinate by which world bounds are larger than the objects, so that later code need not
+/// think of the rounding of bounds.
 const BOUNDS_MARGIN: Real = 8192.0 * UNIT_ROUNDOFF;
 
 impl Object {
-    /// Places a shape. `bounds` is the box around it in object space; `None` if it has no end.
+    /// Makes an object of a shape. `bounds` is the box around the shape in object space; `None` if it is infinite.
     pub fn new(shape: Shape, transform: Option<Box<Transform>>, material: u32, bounds: Option<&Aabb>) -> Self {
         let bounds = bounds.map(|bounds| {
             let world = transform.as_ref().map_or(*bounds, |transform| transform.bounds_to_world(bounds));
@@ -44,11 +46,12 @@ impl Object {
         Self { shape, transform, material, bounds, sideways_error }
     }
 
-    /// Finds the nearest hit with t < `t_max`. `mesh` answers for a shape that is a mesh: it gets the mesh's index and
-    /// the ray in object space, and returns the nearest hit with t < `t_max`.
+    /// Finds the closest hit with t < `t_max`. `mesh` is called for a shape that is a mesh: it takes the mesh's index
+    /// and
+    /// the ray in object space, and returns the mesh's closest hit with t < `t_max`.
     ///
-    /// A hit counts only where the ray enters [`bounds`](Self::bounds), and is never nearer than the entry. That is
-    /// part of the definition: skipping objects by their bounds changes no hit.
+    /// By definition, only a ray that enters [`bounds`](Self::bounds) has a hit, and the hit is never nearer than the
+    /// entry. So skipping objects by their bounds changes no hit.
     pub fn closest_hit(
         &self,
         world: &PreparedRay,
@@ -61,7 +64,8 @@ impl Object {
         (hit.t < t_max).then_some(hit)
     }
 
-    /// Returns whether anything is hit at a t up to and including `t_max`. Here `mesh` returns any hit up to `t_max`.
+    /// Returns whether the object is hit at a t up to and including `t_max`. Here `mesh` returns any hit up to
+    /// `t_max`.
     pub fn any_hit(
         &self,
         world: &PreparedRay,
@@ -71,7 +75,7 @@ impl Object {
         self.entry(world, t_max).is_some() && self.intersect(world, mesh).is_some_and(|hit| hit.t <= t_max)
     }
 
-    /// The shape's own test, in object space.
+    /// Intersects the ray with the shape, in object space.
     fn intersect(
         &self,
         world: &PreparedRay,
@@ -84,7 +88,7 @@ impl Object {
         )
     }
 
-    /// Returns where the ray enters the bounds at a t up to `t_max`; see [`Aabb::entry`].
+    /// Returns the t at which the ray enters the bounds, if it is at most `t_max`; see [`Aabb::entry`].
     #[inline(always)]
     pub fn entry(&self, world: &PreparedRay, t_max: Real) -> Option<Real> {
         match &self.bounds {
@@ -93,7 +97,7 @@ impl Object {
         }
     }
 
-    /// The same without branches, for loops over many rays; see [`Aabb::entry_branchless`].
+    /// Does the same without branches, for loops over many rays; see [`Aabb::entry_branchless`].
     #[inline(always)]
     pub fn entry_branchless(&self, world: &PreparedRay, t_max: Real) -> (bool, Real) {
         match &self.bounds {
@@ -103,7 +107,7 @@ impl Object {
         }
     }
 
-    /// By how much the bounds grow for a ray.
+    /// Returns by how much the bounds must grow for a ray.
     #[inline(always)]
     fn margin(&self, world: &PreparedRay) -> Real {
         if self.sideways_error == 0.0 { 0.0 } else { self.sideways_error * world.ray.origin.max_abs() }
@@ -120,7 +124,7 @@ impl Object {
         }
     }
 
-    /// Returns the normal at a hit: a unit vector, but for a plane without a transform, whose normal is used at the
+    /// Returns the normal at a hit. It is a unit vector, except on a plane without a transform, whose normal has the
     /// length that the file gives it.
     pub fn normal(&self, meshes: &[Mesh], ray: &Ray, hit: &SurfaceHit) -> Vector3 {
         let in_object_space = |ray: &Ray| {
@@ -136,10 +140,10 @@ impl Object {
         }
     }
 
-    /// Finds the point of the surface that a ray has hit, as well as it can be known.
+    /// Finds the point of the surface that a ray has hit, and its error bound.
     pub fn surface_point(&self, meshes: &[Mesh], ray: &Ray, hit: &SurfaceHit) -> SurfacePoint {
         let on_triangle = |corners: [Vector3; 3]| {
-            // A triangle without area has no normal; the direction towards the eye is as good as any.
+            // A triangle without area has no normal, so any direction will do: this one leads towards the eye.
             let normal = face_normal(corners);
             let normal = if normal == Vector3::ZERO { -ray.direction.normalized() } else { normal };
             nearest_point_of_triangle(corners, hit.barycentric, normal)
@@ -155,7 +159,7 @@ impl Object {
         match &self.transform {
             None => {
                 let found = find(near);
-                SurfacePoint { point: found.point, normal: found.normal, gap: found.error }
+                SurfacePoint { point: found.point, normal: found.normal, error_bound: found.error }
             }
             Some(transform) => transform.surface_point(near, find),
         }

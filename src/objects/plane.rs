@@ -7,46 +7,49 @@ use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 /// The points with `normal . point = offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
-    /// Of any length, and never turned towards the eye.
+    /// Of any length. It is never flipped towards the eye.
     pub normal: Vector3,
     pub offset: Real,
-    /// The normal that shading and pictures use.
+    /// The normal that shading and pictures of normals use.
     pub shading_normal: Vector3,
 }
 
 impl Plane {
     /// Makes a plane that is shaded with its normal as given, as the starter does.
     ///
-    /// Normals so long or short that products with them would leave the range of numbers are scaled by a power of two,
-    /// and the offset with them: the same plane, to the last bit.
+    /// A normal so long or short that products with it would overflow or underflow is scaled by a power of two, and
+    /// the
+    /// offset with it: the plane is the same, to the last bit.
     pub fn new(normal: Vector3, offset: Real) -> Self {
         const USUAL: std::ops::RangeInclusive<Real> = 1e-30..=1e30;
         let longest = normal.max_abs();
         if USUAL.contains(&longest) || longest == 0.0 {
             return Self { normal, offset, shading_normal: normal };
         }
-        // In two steps, for a power of two may itself be too large.
+        // In two steps, because the whole power of two may be too large.
         let half = (2.0 as Real).powi((longest.log2() / -2.0).round() as i32);
         Self { normal: normal * half * half, offset: offset * half * half, shading_normal: normal }
     }
 
-    /// Makes the same plane, shaded with the unit vector of its normal.
+    /// Returns the same plane, shaded with the unit vector of its normal.
     #[must_use]
     pub fn with_unit_normal(self) -> Self {
         Self { shading_normal: self.shading_normal.normalized(), ..self }
     }
 }
 
-/// Of |n| . |p| and the plane's distance from the origin: normal . p - offset has 4 u (three products, three sums), the
-/// division by the normal's length 1 u, the step to the plane 2 u, the sum of point and offset 1 u, and the test of a
-/// ray from there 4 u again.
+/// Roundings of a surface point, in units of |n| . |p| and of the plane's distance from the origin: normal . p -
+/// offset
+/// has 4 u (three products, three sums), the division by the normal's length 1 u, the step to the plane 2 u, the sum
+/// of
+/// point and offset 1 u, and the test of a ray that starts there 4 u again.
 const PLANE_ROUNDINGS: Real = 12.0;
 
 impl Surface for Plane {
     /// The starter shades with the normal as the file gives it.
     const NORMALIZES: bool = false;
 
-    /// A parallel ray gives an infinite or NaN t, which is a miss.
+    /// Intersects a ray with the plane. For a parallel ray t is infinite or NaN, which is a miss.
     #[inline(always)]
     fn intersect(&self, ray: &Ray) -> Option<Real> {
         let t = (self.offset - self.normal.dot(ray.origin)) / self.normal.dot(ray.direction);
@@ -98,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn only_shading_asks_for_a_unit_normal() {
+    fn a_unit_normal_changes_only_the_shading() {
         let normal = Vector3::new(0.0, 4.0, 0.0);
         let (given, unit) = (Plane::new(normal, 8.0), Plane::new(normal, 8.0).with_unit_normal());
         assert_eq!((given.shading_normal, unit.shading_normal), (normal, normal / 4.0));
@@ -106,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_is_missed_and_parallel_is_beyond_every_limit() {
+    fn planes_behind_are_missed_and_parallel_ones_are_infinitely_far() {
         assert_eq!(hit([0.0, 1.0, 0.0], -2.0, [0.0, 1.0, 0.0]), None);
         assert!(hit([0.0, 1.0, 0.0], -2.0, [1.0, 0.0, 0.0]).is_none_or(|t| t == Real::INFINITY));
         assert_eq!(hit([0.0, 1.0, 0.0], 3.0, [1.0, 0.0, 0.0]), None);

@@ -1,4 +1,4 @@
-//! [`Ray`]: where light is followed backwards.
+//! [`Ray`], along which light is followed backwards.
 
 use vecmath::{Real, Vector3};
 
@@ -17,7 +17,7 @@ impl Ray {
     }
 }
 
-/// A ray with the reciprocals that every test against a box needs. Computing them once a ray saves divisions.
+/// A ray with the reciprocals of its direction, which every test of a box needs. Computing them once saves divisions.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {
     pub ray: Ray,

@@ -12,12 +12,14 @@ pub struct Sphere {
     pub radius: Real,
 }
 
-/// Of the radius. The unit vector to the point is 5 u too long or short at most (three squares, their sum, root,
-/// division), times the radius 1 u more. The test of a ray from there takes |f|^2 - r^2 with f = origin - center: f has
-/// 1 u, the squares and their sum 3 u of r^2, the radius' square and the difference 2 u more, together 7 u of r^2,
-/// which is 3.5 u of r in height; the discriminant, by the nearest point to the centre, the same. 5 + 1 + 1 + 3.5 + 3.5.
+/// Roundings of a surface point, in units of the radius r. The unit vector from the centre is too long or short by at
+/// most 5 u (three squares, their sum, root, division); the product with r has 1 u more. A ray that starts there
+/// computes f = origin - center (1 u) and |f|^2 - r^2: the squares and their sum have 3 u of r^2, the square of r and
+/// the difference 2 u more. That is 7 u of r^2 together, or 3.5 u of r in height. The discriminant, by the point
+/// nearest
+/// to the centre, has the same. The sum is 5 + 1 + 1 + 3.5 + 3.5.
 const SPHERE_ROUNDINGS: Real = 16.0;
-/// Of the coordinates: the sum of centre and radius, and the sum of point and offset.
+/// Roundings in units of the coordinates: the sum of centre and radius, and the sum of point and offset.
 const SUM_ROUNDINGS: Real = 2.0;
 
 impl Surface for Sphere {
@@ -25,9 +27,10 @@ impl Surface for Sphere {
 
     /// Returns the nearest root t > 0 of |origin + t direction - center|^2 = radius^2.
     ///
-    /// The discriminant comes from the ray's nearest point to the centre and the roots from their product, neither of
-    /// which cancels digits when the sphere is small or far (Haines, Guenther, Akenine-Moeller: Precision Improvements
-    /// for Ray/Sphere Intersection, Ray Tracing Gems 2019, chapter 7).
+    /// The discriminant is computed from the ray's point nearest to the centre, and the second root from the product
+    /// of
+    /// both. So no digits cancel when the sphere is small or far (Haines, Guenther, Akenine-Moeller: Precision
+    /// Improvements for Ray/Sphere Intersection, Ray Tracing Gems 2019, chapter 7).
     #[inline(always)]
     fn intersect(&self, ray: &Ray) -> Option<Real> {
         let f = ray.origin - self.center;
@@ -52,7 +55,7 @@ impl Surface for Sphere {
         }
     }
 
-    /// Points outward.
+    /// Returns a vector that points outward.
     #[inline(always)]
     fn gradient(&self, point: Vector3) -> Vector3 {
         point - self.center
@@ -81,19 +84,19 @@ mod tests {
     }
 
     #[test]
-    fn from_outside_the_near_root() {
+    fn from_outside_the_near_root_is_hit() {
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 5.0], [0.0, 0.0, -1.0])), Some(4.0));
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 5.0], [0.0, 0.0, -2.0])), Some(2.0));
     }
 
     #[test]
-    fn from_inside_the_far_root() {
+    fn from_inside_the_far_root_is_hit() {
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 0.0], [0.0, 0.5, 0.0])), Some(2.0));
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 1.0], [0.0, 0.0, -1.0])), Some(2.0));
     }
 
     #[test]
-    fn behind_or_beside_is_missed() {
+    fn spheres_behind_or_beside_are_missed() {
         assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 5.0], [0.0, 0.0, 1.0])), None);
         assert_eq!(UNIT.intersect(&ray([0.0, 1.5, 5.0], [0.0, 0.0, -1.0])), None);
     }

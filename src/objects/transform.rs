@@ -1,7 +1,8 @@
-//! [`Transform`]: an instance's place in the world, and the error bounds of going to object space and back.
+//! [`Transform`]: the matrices between world and object space, and the error bounds of going there and back.
 //!
-//! By definition, the surface of a transformed object is the set of world points that `object_from_world` takes to the
-//! shape. That matrix, rounded as it is, decides every hit; `world_from_object` only says where to look.
+//! By definition, the surface of a transformed object is the set of world points that `object_from_world` takes to
+//! the
+//! shape. That rounded matrix decides every hit; `world_from_object` only says where to look.
 
 use super::surface_point::{NearestPoint, across};
 use super::{Aabb, Ray, SurfacePoint};
@@ -18,22 +19,26 @@ pub struct Transform {
     /// `round_trip` |p| + `round_trip_offset`.
     round_trip: Matrix3,
     round_trip_offset: Vector3,
-    /// How much longer an error of rounding in object space is when seen from world space: the largest row sum of
-    /// |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the axes).
+    /// Condition number: by how much a rounding error in object space grows on the way to world space. It is the
+    /// largest
+    /// row sum of |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the axes).
     pub condition: Real,
 }
 
-/// A sum of three products and an offset: 4 u of the terms' absolute values.
+/// Roundings of a sum of three products and an offset, in units of the terms' absolute values.
 const TRANSFORM_ROUNDINGS: Real = 4.0;
-/// Taking a point to object space (4 u), once when its surface is looked for and once when a ray starts there, and the
-/// rounding of that point in world space (2 u).
-const PLACED_POINT_ROUNDINGS: Real = 2.0 * TRANSFORM_ROUNDINGS + 2.0;
-/// What a shape's own test may be off by, of the shape's coordinates, and more.
+/// Roundings of a point that is taken to object space twice (4 u each), once to find its surface point and once when
+/// a
+/// ray starts there, and that is rounded in world space (2 u).
+const WORLD_POINT_ROUNDINGS: Real = 2.0 * TRANSFORM_ROUNDINGS + 2.0;
+/// Roundings of a shape's own test, in units of the shape's coordinates; generous.
 const SHAPE_ROUNDINGS: Real = 64.0;
 
 impl Transform {
+    /// Makes a transform of its matrix from object to world space.
+    ///
     /// # Errors
-    /// [`SingularMatrix`] where `world_from_object` has no inverse, or none to working precision.
+    /// [`SingularMatrix`] if `world_from_object` has no inverse to working precision.
     pub fn new(world_from_object: &Matrix4) -> Result<Self, SingularMatrix> {
         let object_from_world = world_from_object.affine_inverse()?;
         let (back, there) = (object_from_world.linear(), world_from_object.linear());
@@ -48,8 +53,9 @@ impl Transform {
         let terms = back.abs() * offset.map(Real::abs) + object_from_world.offset().map(Real::abs);
         let round_trip_offset = object_from_world.transform_point(offset).map(Real::abs)
             + terms * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF);
-        // The true inverse of `object_from_world` is within a factor of 2 of `world_from_object` below this (the
-        // series of (1 + round_trip)^-1).
+        // Up to here the true inverse of `object_from_world` is within a factor of 2 of `world_from_object`, by the
+        // series
+        // of (1 + round_trip)^-1.
         if !(round_trip.row_sum_norm() < 0.5) {
             return Err(SingularMatrix);
         }
@@ -83,10 +89,11 @@ impl Transform {
         self.normal_to_world * normal
     }
 
-    /// The box in world space of all points that rays can hit on a shape inside `bounds`.
+    /// Returns the box in world space around all points that rays can hit on a shape inside `bounds`.
     ///
-    /// A world point whose image under `object_from_world`, rounded, is p lies where `world_from_object` puts p, give
-    /// or take what a round trip and the roundings of p are as seen from world space.
+    /// Let a world point have the rounded image p in object space. It lies where `world_from_object` takes p, up to
+    /// the
+    /// error bound of a round trip and the roundings of p, both seen from world space.
     pub fn bounds_to_world(&self, bounds: &Aabb) -> Aabb {
         let world = bounds.transformed(&self.world_from_object);
         let (p, x) = (bounds.corner_reach(), world.corner_reach());
@@ -100,11 +107,11 @@ impl Transform {
         world.grown_by(there * moved * 2.0 + rounding * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF))
     }
 
-    /// The point of the surface near a world point `near`, given how to find it in object space.
+    /// Finds the surface point near a world point; `find` does so in object space.
     pub(super) fn surface_point(&self, near: Vector3, find: impl FnOnce(Vector3) -> NearestPoint) -> SurfacePoint {
         let image = self.object_from_world.transform_point(near);
         let found = find(image);
-        // The step is short, so that the errors of the matrix which takes it count twice over.
+        // The step is short, so the errors of the matrix that transforms it are small twice over.
         let step = found.point - image;
         let point = near + self.world_from_object.transform_direction(step);
         let normal_direction_to_world = self.normal_to_world * found.normal;
@@ -112,8 +119,12 @@ impl Transform {
         let terms = self.object_from_world.linear().abs() * point.map(Real::abs)
             + self.object_from_world.offset().map(Real::abs);
         let error = found.error
-            + PLACED_POINT_ROUNDINGS * UNIT_ROUNDOFF * across(found.normal, terms)
+            + WORLD_POINT_ROUNDINGS * UNIT_ROUNDOFF * across(found.normal, terms)
             + across(found.normal, self.round_trip * step.map(Real::abs));
-        SurfacePoint { point, normal: normal_direction_to_world / per_world_unit, gap: error / per_world_unit }
+        SurfacePoint {
+            point,
+            normal: normal_direction_to_world / per_world_unit,
+            error_bound: error / per_world_unit,
+        }
     }
 }

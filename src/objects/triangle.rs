@@ -1,20 +1,22 @@
-//! [`Triangle`], and the exact test of a ray against a triangle, which decides for triangles of scenes and of meshes.
+//! [`Triangle`], and the exact test of a ray against a triangle, which single triangles and meshes share.
 
 use super::surface_point::{NearestPoint, across};
 use super::{Aabb, PreparedRay, SurfaceHit};
 use vecmath::{Real, UNIT_ROUNDOFF, Vector3, greater, lesser, swapped_if};
 
-/// Intersects a ray with a triangle. Both sides count; edges and corners belong to the triangle.
+/// Intersects a ray with a triangle. Both sides can be hit; edges and corners belong to the triangle.
 ///
-/// The test is watertight (Woop, Benthin, Wald: Watertight Ray/Triangle Intersection, JCGT 2013). It moves and shears
-/// space so that the ray becomes the z axis; a corner lands on the same point for every triangle that has it. The sign
-/// of an edge function is then exact or the function is zero, because rounding keeps the order of its two products.
-/// Swapping the ends of an edge swaps the sign and nothing else. So of two triangles that share an edge, at least one
-/// is hit by a ray between them.
+/// The test is watertight (Woop, Benthin, Wald: Watertight Ray/Triangle Intersection, JCGT 2013). It translates and
+/// shears space so that the ray becomes the z axis. A corner gets the same coordinates in every triangle that has it.
+/// The sign of an edge function is exact, or the function is zero, because rounding keeps the order of its two
+/// products.
+/// Swapping the ends of an edge swaps the sign and changes nothing else. So a ray between two triangles that share an
+/// edge hits at least one of them.
 ///
-/// The ray must also meet the triangle's bounding box, and t is kept inside it. Seen edge-on, a triangle has three edge
-/// functions that are all rounding, and t has no digits: the ray may lie in the triangle's plane and pass beside it.
-/// Without this rule the hit would depend on whether a tree has tested the box before.
+/// The ray must also meet the triangle's bounding box, and t is clamped to it. For a triangle seen edge-on, all three
+/// edge functions are nothing but rounding, and t has no correct digit: the ray may lie in the triangle's plane and
+/// pass
+/// beside it. Without this rule the hit would depend on whether a tree has tested the box before.
 pub fn intersect_triangle(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<SurfaceHit> {
     let axes = ShearAxes::of(ray.ray.direction);
     let line = [ray.ray.origin, ray.ray.direction, ray.inverse_direction].map(|vector| axes.order(vector));
@@ -30,7 +32,8 @@ pub fn intersect_triangle(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<Su
 
 /// The order of axes in which a ray is sheared: `z` is the axis of its largest component, x and y follow cyclically.
 ///
-/// The paper swaps x and y for a negative direction to keep the winding. There is no need here: both sides count.
+/// The paper swaps x and y for a negative direction to keep the winding. Here both sides can be hit, so there is no
+/// need.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearAxes {
     pub x: usize,
@@ -64,16 +67,17 @@ impl ShearAxes {
     }
 }
 
-/// The edge functions of a triangle for a ray's line. Computing them takes no branch, so that loops over rays vectorise.
+/// The edge functions of a triangle for a ray's line. They are computed without branches, so that loops over rays
+/// vectorise.
 pub struct Crossing {
     pub is_inside: bool,
-    /// Of the three corners.
     edge_functions: [Real; 3],
+    /// t of the three corners.
     depths: [Real; 3],
 }
 
 impl Crossing {
-    /// All vectors have their components in the order of the ray's [`ShearAxes`].
+    /// Computes the edge functions. All vectors have their components in the order of the ray's [`ShearAxes`].
     #[inline(always)]
     pub fn of([origin, direction, inverse_direction]: [Vector3; 3], [a, b, c]: [Vector3; 3]) -> Self {
         // The shear lays the ray along the z axis of its axes; z is then t.
@@ -91,7 +95,9 @@ impl Crossing {
         Self { is_inside: same_side & (u + v + w != 0.0), edge_functions: [u, v, w], depths: [a.z, b.z, c.z] }
     }
 
-    /// Returns the hit, if `is_inside`. t is kept between `near` and `far`, where the line enters and leaves the box.
+    /// Returns the hit; use it only if `is_inside`. t is clamped to `near` and `far`, where the line enters and
+    /// leaves the
+    /// box.
     #[inline(always)]
     pub fn hit(&self, near: Real, far: Real) -> SurfaceHit {
         let ([u, v, w], [a, b, c]) = (self.edge_functions, self.depths);
@@ -102,7 +108,8 @@ impl Crossing {
     }
 }
 
-/// Of the coordinates: moving a corner to the ray's origin and shearing it has 6 u of either.
+/// Roundings in units of the coordinates, with a wide margin: 6 u for translating a corner to the ray's origin and
+/// shearing it.
 const BOX_ROUNDINGS: Real = 32.0;
 
 /// Returns the t at which the ray's line enters and leaves the box around three points, grown by `margin`. Near an edge
@@ -117,14 +124,14 @@ pub fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) ->
         let low = (min - ray.ray.origin[axis] - margin) * inverse;
         let high = (max - ray.ray.origin[axis] + margin) * inverse;
         let (enter, leave) = swapped_if(inverse < 0.0, low, high);
-        // NaN is passed over: a ray in the plane of a face.
+        // NaN, of a ray in the plane of a face, changes nothing here.
         near = greater(near, enter);
         far = lesser(far, leave);
     }
     (near, far)
 }
 
-/// Returns whether the ray's line meets the box around three points, with room for rounding.
+/// Returns whether the ray's line meets the box around three points, grown by an error bound.
 #[cold]
 fn grazes_box(ray: &PreparedRay, corners: [Vector3; 3]) -> bool {
     let reach = corners.iter().fold(ray.ray.origin.max_abs(), |reach, corner| reach.max(corner.max_abs()));
@@ -154,21 +161,23 @@ impl Triangle {
     }
 }
 
-/// Of |n| . |corners|: the weights sum to 1 within 3 u (two sums, one division), products and sums of corners have 3 u,
-/// the sum of point and offset 2 u.
+/// Roundings in units of |n| . |corners|: the weights have sum 1 within 3 u (two sums, one division), products and
+/// sums
+/// of corners have 3 u, the sum of point and offset 2 u.
 const CORNER_ROUNDINGS: Real = 8.0;
-/// Of l^3 / A, with l the longest edge and A the area. A ray that leaves the triangle's inside looks at corners up to l
-/// away. Moved to its origin and sheared they have 6 u of l, so an edge function, two products of numbers up to 2 l,
-/// has 60 u of l^2; three of them, each times a depth up to l, are divided by 2 A.
+/// Roundings in units of l^3 / A, with l the longest edge and A the area. A ray that starts inside the triangle has
+/// corners at distances up to l. Translated to its origin and sheared they have 6 u of l. So an edge function, two
+/// products of numbers up to 2 l, has 60 u of l^2. Three of them, each times a depth up to l, are divided by 2 A.
 const SHAPE_ROUNDINGS: Real = 90.0;
-/// Of l: the depths themselves.
+/// Roundings of the depths, in units of l.
 const DEPTH_ROUNDINGS: Real = 6.0;
-/// Slivers of a larger l^2 / A than this are treated as if they had this one: a gap of a hundred thousandth of the
-/// length, beyond which leaks would be the worse evil.
+/// Largest l^2 / A that counts. For slivers beyond it the error bound would exceed a hundred thousandth of their
+/// length,
+/// and rays that start so far off would leak through neighbours.
 const LARGEST_SHAPE: Real = (1 << 30) as Real;
 
-/// The point of a triangle with these weights. The weights sum to 1, so it lies in the triangle's plane even where t
-/// has no digits, as for triangles seen edge-on.
+/// Returns the point of a triangle with given barycentric coordinates. Their sum is 1, so the point lies in the
+/// triangle's plane even where t has no correct digit, as for triangles seen edge-on.
 pub(super) fn nearest_point_of_triangle(
     corners: [Vector3; 3],
     barycentric: [Real; 3],
@@ -179,7 +188,7 @@ pub(super) fn nearest_point_of_triangle(
     let edges = [b - a, c - b, a - c];
     let longest = edges.into_iter().map(Vector3::length).fold(0.0, Real::max);
     let area = 0.5 * edges[0].cross(edges[2]).length();
-    // An area of zero gives infinity or NaN, and `min` passes over either.
+    // An area of zero gives infinity or NaN; `min` replaces both.
     let shape = (longest * longest / area).min(LARGEST_SHAPE);
     let corner = a.map(Real::abs).max(b.map(Real::abs)).max(c.map(Real::abs));
     let coordinates = CORNER_ROUNDINGS * across(normal, corner);
@@ -187,7 +196,7 @@ pub(super) fn nearest_point_of_triangle(
     NearestPoint { point, normal, error }
 }
 
-/// cross(v1 - v0, v2 - v0) as a unit vector, or zero where that has no direction.
+/// Returns cross(v1 - v0, v2 - v0) as a unit vector, or zero if that has no direction.
 pub fn face_normal([v0, v1, v2]: [Vector3; 3]) -> Vector3 {
     (v1 - v0).cross(v2 - v0).normalized()
 }
@@ -206,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn both_sides_count_and_weights_belong_to_corners() {
+    fn both_sides_are_hit_and_weights_belong_to_corners() {
         for (z, direction) in [(2.0, -1.0), (-2.0, 1.0)] {
             let hit = hit([0.25, 0.5, z], [0.0, 0.0, direction]).unwrap();
             assert_eq!(hit.t, 2.0);
@@ -215,12 +224,12 @@ mod tests {
     }
 
     #[test]
-    fn t_counts_lengths_of_the_direction() {
+    fn t_is_in_units_of_the_direction_s_length() {
         assert_eq!(hit([0.25, 0.5, 2.0], [0.0, 0.0, -4.0]).unwrap().t, 0.5);
     }
 
     #[test]
-    fn beside_behind_and_in_the_plane_are_missed() {
+    fn rays_beside_behind_and_in_the_plane_miss() {
         assert_eq!(hit([0.75, 0.5, 2.0], [0.0, 0.0, -1.0]), None);
         assert_eq!(hit([0.25, 0.5, 2.0], [0.0, 0.0, 1.0]), None);
         assert_eq!(hit([-1.0, 0.25, 0.0], [1.0, 0.0, 0.0]), None);

@@ -1,9 +1,9 @@
 //! Renders all pixels with as many samples as an error or a time limit asks for, in passes over the whole picture.
 //!
-//! Each pixel has two halves that are sampled independently of each other; they tell its error (see
-//! [`error_estimate`](super::error_estimate)). With a target error, pilot samples that are then thrown away decide how
-//! the samples are shared out (see [`allocation`](super::allocation)), and only the error of the whole picture decides
-//! when to stop: so every pixel is right in the mean but for its own weight in the whole, which is one of all pixels.
+//! Each pixel has two halves that are sampled independently of each other; their difference tells its error (see
+//! [`error_estimate`](super::error_estimate)). With a target error, pilot samples decide how the samples are shared out
+//! (see [`allocation`](super::allocation)) and are then thrown away. Only the error of the whole picture decides when to
+//! stop. So a pixel's own samples have next to no say in how many it gets, and its mean has next to no bias.
 
 use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::error_estimate::ErrorSums;

@@ -1,9 +1,9 @@
-//! How many samples each pixel needs for the whole picture to reach an error.
+//! Decides how many samples each pixel needs for the whole picture to reach an error.
 //!
-//! In: the variance within each pixel, as a few *pilot* samples see it. Out: a number of samples for each pixel, most
-//! where they help most. The pilot samples have no other use: were they part of the picture, or were the picture's own
-//! samples to decide when to stop, a pixel whose first samples happen to agree would keep them, and the mean over many
-//! runs would be wrong (Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH 1991).
+//! In: the variance within each pixel, estimated from a few *pilot* samples. Out: a number of samples for each pixel,
+//! most where they help most. The pilot samples are not part of the picture. If they were, a pixel whose first samples
+//! happen to agree would keep them and get no more, and the mean over many runs would be wrong (Kirk and Arvo, Unbiased
+//! Sampling Techniques for Image Synthesis, SIGGRAPH 1991).
 //!
 //! The model: n samples in each of two halves leave a squared error of s^2 / (2 n^b), s^2 the pixel's variance and b
 //! the sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). The sum of these over the pixels is smallest
@@ -16,8 +16,8 @@ pub const PILOT_SAMPLES: u32 = 4;
 /// No pixel gets more than this in each half: they are held in memory together.
 const MAX_SAMPLES_A_HALF: u32 = 1 << 15;
 
-/// Every pixel is taken to have at least this variance (in squared byte levels, of one sample), so that what the pilot
-/// has missed is found when there is nothing else left to improve.
+/// The least variance that a pixel is taken to have (in squared byte levels, of one sample). So what the pilot has
+/// missed is found in the end, when nothing else is left to improve.
 const LEAST_VARIANCE: f32 = 1.0;
 
 /// Weights are rounded to so many steps a doubling, so that sums over all pixels are sums over a few steps.
@@ -84,8 +84,8 @@ impl Allocation {
             return false;
         }
         let old = self.scale;
-        // At least a little more, so that every pass is worth its overhead, and at most as much more as what is known
-        // about the error bears.
+        // At least a little more, so that every pass is worth its overhead. Not too much more: the error is only an
+        // estimate.
         let (mut low, mut high) = if old == 0.0 { (1e-6, 1e6) } else { (1.2 * old, 16.0 * old) };
         for _ in 0..40 {
             let middle = (low * high).sqrt();

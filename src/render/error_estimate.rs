@@ -1,4 +1,4 @@
-//! How wrong a sampled picture is, from its own samples.
+//! Estimates how wrong a sampled picture is, from its own samples.
 //!
 //! A pixel's samples come in R sets that are independent of each other, and its colour is the mean of the sets' means.
 //! How much those differ among themselves tells the variance of the colour, whatever the sampler does within a set:

@@ -1,13 +1,13 @@
-//! Where in its pixel a sample lies: a pure function of pixel, sample number and seed, so that every order of work
-//! gives the same picture.
+//! Places samples in their pixel. The place is a pure function of pixel, sample number and seed, so that every order of
+//! work gives the same picture.
 //!
-//! Each sampler gives any number of samples, every one uniform in the pixel when taken by itself, so that the mean is
-//! right for any number of them. They differ in how evenly the samples of a pixel are spread together.
+//! Each sampler gives any number of samples. Every sample by itself is uniform in the pixel, so the mean has no bias
+//! whatever their number. The samplers differ in how evenly the samples of a pixel are spread together.
 
 use crate::options::SamplerKind;
 use vecmath::Real;
 
-/// How sets of a certain number of samples are made.
+/// Makes sets of a certain number of samples.
 #[derive(Clone, Copy, Debug)]
 pub struct SamplePattern {
     kind: SamplerKind,
@@ -28,7 +28,7 @@ impl SamplePattern {
     }
 }
 
-/// Samples of one pixel that are placed with regard to each other.
+/// Samples of one pixel that are spread together.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleSet<'a> {
     pattern: &'a SamplePattern,
@@ -82,8 +82,8 @@ impl SampleSet<'_> {
 
 /// A pixel divided into cells of equal area.
 ///
-/// The rows hold as many cells as each other, or one more, and are as high as their number of cells asks for: so any
-/// number of cells covers the pixel, and none counts for more than another.
+/// Some rows hold one cell more than the others. The height of a row is proportional to its number of cells, so that
+/// any number of cells covers the pixel with equal areas.
 #[derive(Clone, Copy, Debug)]
 struct Cells {
     count: u32,

@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 /// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
 pub const RAYS_AT_ONCE: usize = PACKETS_AT_ONCE * PACKET;
 
-/// Renders what `plan` asks for. Every pixel is a function of its place alone, so that threads change nothing.
+/// Renders the pictures of `plan`. Every pixel is a function of its place alone, so the number of threads changes nothing.
 pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
     let tiles = Tile::all(options.width, options.height);
     decode_faces_ahead(scene, plan, options);

@@ -1,5 +1,5 @@
-//! What the author of a scene should know about its numbers: where the starter's fixed distance of 0.01 does not fit,
-//! where a plane's normal is no unit vector, and where a matrix leaves few digits.
+//! Warns the author of a scene about its numbers: where the starter's fixed distance of 0.01 does not fit, where a
+//! plane's normal is no unit vector, and where a matrix leaves few digits.
 //!
 //! One sentence for each kind, however many objects it is about; it names the first of them.
 
@@ -44,7 +44,7 @@ impl Found {
     }
 }
 
-/// With rays that start at 0.01, scenes of another size than this look wrong.
+/// Scenes of another size look wrong with rays that start 0.01 from a surface.
 const SIZES: std::ops::RangeInclusive<Real> = 1.0..=1e5;
 /// Rays from one side of a wall may start on its other side when it is thinner than twice the offset.
 const THIN: Real = 0.02;

@@ -1,7 +1,7 @@
-//! Large OBJ files, read by all threads at once.
+//! Reads plain OBJ files by all threads at once.
 //!
-//! Reads what nearly all files consist of (`v x y z`, `vt`, `vn`, `f` with positive indices) and gives up at everything
-//! else, mistakes included: then [`mesh_file`](super::mesh_file) reads the file its own way, which is some ten times
+//! Plain is what nearly all files consist of: `v x y z`, `vt`, `vn`, `f` with positive indices. Anything else, mistakes
+//! included, makes it give up. Then [`mesh_file`](super::mesh_file) reads the file by `tobj`, which is some ten times
 //! slower. Both give the same mesh.
 
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Positions and triangles of a mesh.
 pub type Geometry = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// A file is cut into pieces of about so many bytes.
+/// Bytes of a piece, about.
 const PIECE: usize = 1 << 18;
 
 /// What a piece of a file holds.
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Option<Geometry> {
     positions.par_iter().all(is_finite).then_some((positions, triangles))
 }
 
-/// What pieces hold, one after another.
+/// Joins one part of all pieces.
 fn joined<T: Copy + Default + Send + Sync>(pieces: &[Piece], part: impl Fn(&Piece) -> &Vec<T> + Sync) -> Vec<T> {
     let mut all = vec![T::default(); pieces.iter().map(|piece| part(piece).len()).sum()];
     let mut rest = all.as_mut_slice();
@@ -106,7 +106,7 @@ impl Piece {
                 Some(b"vt") => {
                     numbers::<2>(&mut words)?;
                     piece.others[0].0 += 1;
-                    // A third coordinate is nobody's business.
+                    // A third coordinate may follow. It is not read.
                     continue;
                 }
                 Some(b"vn") => {

@@ -2,7 +2,7 @@
 //! by [`blocks`].
 //!
 //! Opens no file but the scene itself. Material indices are checked here, once the whole text is known; what needs
-//! arithmetic (a direction of length zero, a singular matrix) is checked by [`compile`](crate::scene::compile).
+//! arithmetic (a direction of length zero, a singular matrix) is checked by [`compile`](crate::scene::compile()).
 
 use super::description::{At, BackgroundBlock, Description, Leaf, Node};
 use super::fields::{Count, Fields};

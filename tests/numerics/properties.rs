@@ -45,7 +45,7 @@ fn ray_to(target: [f64; 3], from: [f64; 3], distance: f64) -> Ray {
 /// side are on that side by exact arithmetic, and no test from there meets the surface again on the way out. `height` is
 /// the exact height of a point over the surface (its sign is the side), to first order.
 fn keeps_its_promise(case: &str, studio: &Studio, surface: &SurfacePoint, height: impl Fn(&V) -> Q, convex: bool) {
-    let gap = q(f64::from(surface.gap));
+    let gap = q(f64::from(surface.error_bound));
     let off = height(&v(surface.point)).abs();
     check(&format!("{case}: distance of the point from the surface, of its gap"), 1.0, f(&(off / &gap)));
     for side in [-1.0, 1.0_f64] {

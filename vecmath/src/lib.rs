@@ -1,7 +1,8 @@
 //! Vectors and matrices of a ray tracer: the part of the course's `vecmath` library that a scene can reach.
 //!
-//! Column vectors, right-handed, matrices multiply from the left (`matrix * vector`). All numbers are [`Real`].
-//! Left out, because no scene needs them: quaternions, projections, 2 x 2 matrices.
+//! Vectors are columns in a right-handed system; a matrix multiplies from the left (`matrix * vector`). All numbers
+//! are
+//! [`Real`]. Quaternions, projections and 2 x 2 matrices are left out, because no scene needs them.
 #![forbid(unsafe_code)]
 
 mod matrix3;

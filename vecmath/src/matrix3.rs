@@ -14,28 +14,30 @@ impl Matrix3 {
     pub const IDENTITY: Self =
         Self::from_columns(Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
 
-    /// A matrix of these columns.
+    /// Makes a matrix of these columns.
     pub const fn from_columns(x: Vector3, y: Vector3, z: Vector3) -> Self {
         Self { columns: [x, y, z] }
     }
 
-    /// Rows become columns.
+    /// Swaps rows and columns.
     pub fn transposed(self) -> Self {
         let [a, b, c] = self.columns;
         Self::from_columns(Vector3::new(a.x, b.x, c.x), Vector3::new(a.y, b.y, c.y), Vector3::new(a.z, b.z, c.z))
     }
 
-    /// The signed volume of the columns' parallelepiped.
+    /// Returns the signed volume of the columns' parallelepiped.
     pub fn determinant(self) -> Real {
         let [a, b, c] = self.columns;
         a.dot(b.cross(c))
     }
 
-    /// The inverse, or `None` where the matrix is singular to working precision or an entry would not be finite.
+    /// Returns the inverse, or `None` if the matrix is singular to working precision or an entry would not be finite.
     ///
-    /// Rows and columns are first scaled to largest component 1, so that units do not count. Cofactors, the usual way,
-    /// lose what the determinant has lost; where that is much, elimination takes over, which loses no more than the
-    /// [condition number](Self::condition_number).
+    /// Rows and columns are first scaled to largest component 1, so that units make no difference. The usual formula
+    /// by
+    /// cofactors loses as many digits as the determinant has lost. Where these are many, elimination is used instead:
+    /// it
+    /// loses no more than the [condition number](Self::condition_number) says.
     pub fn inverse(self) -> Option<Self> {
         const REGULAR: Real = 1e-3;
         let column_scale = self.columns.map(Vector3::max_abs);
@@ -62,8 +64,7 @@ impl Matrix3 {
         (regular && inverse.columns.iter().all(|c| c.is_finite())).then_some(inverse)
     }
 
-    /// The inverse by Gauss-Jordan elimination, each time with the largest entry that is left as the pivot; `None` where
-    /// nothing is left.
+    /// Returns the inverse by Gauss-Jordan elimination with full pivoting; `None` if a pivot is zero.
     fn eliminated(self) -> Option<Self> {
         let entries = self.transposed().columns.map(Vector3::to_array);
         let mut left = entries;
@@ -93,13 +94,16 @@ impl Matrix3 {
         Some(Self::from_columns(x, y, z).transposed())
     }
 
-    /// Absolute values of the entries: what bounds of rounding errors are made of.
+    /// Returns the absolute values of the entries. Bounds of rounding errors need them.
     pub fn abs(self) -> Self {
         Self { columns: self.columns.map(|column| column.map(Real::abs)) }
     }
 
-    /// How much an inverse loses: the largest row sum of |M| |M^-1| (Bauer and Skeel). It is 1 for any scaling along the
-    /// axes, however uneven, a little more for rotations, and infinite for a singular matrix.
+    /// Returns the condition number of Bauer and Skeel: the largest row sum of |M| |M^-1|, which says how much an
+    /// inverse
+    /// amplifies errors. It is 1 for any scaling along the axes, a little more for rotations, and infinite for a
+    /// singular
+    /// matrix.
     pub fn condition_number(self) -> Real {
         let scale = self.columns.map(Vector3::max_abs);
         let [a, b, c] = [0, 1, 2].map(|i| self.columns[i] / scale[i]);
@@ -113,7 +117,7 @@ impl Matrix3 {
         if condition > 0.5 { condition.max(1.0) } else { Real::INFINITY }
     }
 
-    /// The largest sum of absolute values in a row: the norm that belongs to [`Vector3::max_abs`].
+    /// Returns the largest sum of absolute values in a row: the norm that belongs to [`Vector3::max_abs`].
     pub fn row_sum_norm(self) -> Real {
         let [a, b, c] = self.columns.map(|column| column.map(Real::abs));
         (a + b + c).max_abs()

@@ -17,7 +17,7 @@ impl Matrix4 {
     /// Changes nothing.
     pub const IDENTITY: Self = Self::affine(Matrix3::IDENTITY, Vector3::ZERO);
 
-    /// The map p -> `linear` p + `offset`.
+    /// Returns the map p -> `linear` p + `offset`.
     pub const fn affine(linear: Matrix3, offset: Vector3) -> Self {
         const fn column(v: Vector3, w: Real) -> Vector4 {
             Vector4::new(v.x, v.y, v.z, w)
@@ -26,7 +26,7 @@ impl Matrix4 {
         Self { columns: [column(x, 0.0), column(y, 0.0), column(z, 0.0), column(offset, 1.0)] }
     }
 
-    /// The 16 numbers column by column.
+    /// Makes a matrix of 16 numbers, column by column.
     pub fn from_column_major(numbers: [Real; 16]) -> Self {
         let column = |i: usize| {
             let n = &numbers[4 * i..4 * i + 4];
@@ -35,12 +35,12 @@ impl Matrix4 {
         Self { columns: [column(0), column(1), column(2), column(3)] }
     }
 
-    /// Moves by `offset`.
+    /// Makes a translation by `offset`.
     pub fn translation(offset: Vector3) -> Self {
         Self::affine(Self::IDENTITY.linear(), offset)
     }
 
-    /// Stretches along the axes.
+    /// Makes a scaling along the axes.
     pub fn scaling(factors: Vector3) -> Self {
         Self::affine(
             Matrix3::from_columns(
@@ -52,10 +52,10 @@ impl Matrix4 {
         )
     }
 
-    /// Turns about `axis` (a unit vector) by `angle_radians`, counter-clockwise seen from the axis' tip
+    /// Makes a rotation about `axis` (a unit vector) by `angle_radians`, counter-clockwise seen from the axis' tip
     /// (Rodrigues' formula).
     pub fn rotation(axis: Vector3, angle_radians: Real) -> Self {
-        // libm gives the same bits on every machine, the system's sine and cosine need not.
+        // libm gives the same bits on every machine; the system's sine and cosine may not.
         let sin = libm::sin(angle_radians as f64) as Real;
         let cos = libm::cos(angle_radians as f64) as Real;
         let one_minus_cos = 1.0 - cos;
@@ -64,37 +64,37 @@ impl Matrix4 {
         Self::affine(Matrix3::from_columns(turned(x), turned(y), turned(z)), Vector3::ZERO)
     }
 
-    /// The upper left 3 x 3 block: what happens to directions.
+    /// Returns the upper left 3 x 3 block, which transforms directions.
     pub fn linear(&self) -> Matrix3 {
         let [x, y, z, _] = self.columns.map(|c| Vector3::new(c.x, c.y, c.z));
         Matrix3::from_columns(x, y, z)
     }
 
-    /// The last column: where the origin goes.
+    /// Returns the last column: the image of the origin.
     pub fn offset(&self) -> Vector3 {
         let c = self.columns[3];
         Vector3::new(c.x, c.y, c.z)
     }
 
-    /// Whether the last row is 0 0 0 1.
+    /// Returns whether the last row is 0 0 0 1.
     pub fn is_affine(&self) -> bool {
         self.columns.map(|c| c.w) == [0.0, 0.0, 0.0, 1.0]
     }
 
-    /// The image of a point, for an affine matrix.
+    /// Returns the image of a point, for an affine matrix.
     pub fn transform_point(&self, point: Vector3) -> Vector3 {
         self.linear() * point + self.offset()
     }
 
-    /// The image of a direction, for an affine matrix.
+    /// Returns the image of a direction, for an affine matrix.
     pub fn transform_direction(&self, direction: Vector3) -> Vector3 {
         self.linear() * direction
     }
 
-    /// The inverse of an affine matrix.
+    /// Returns the inverse of an affine matrix.
     ///
     /// # Errors
-    /// [`SingularMatrix`] where the linear part squashes space flat, or an entry of the inverse is not finite.
+    /// [`SingularMatrix`] if the linear part has no inverse, or an entry of the inverse is not finite.
     pub fn affine_inverse(&self) -> Result<Self, SingularMatrix> {
         let linear = self.linear().inverse().ok_or(SingularMatrix)?;
         let offset = -(linear * self.offset());

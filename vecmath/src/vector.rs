@@ -1,82 +1,82 @@
-//! [`Vector2`], [`Vector3`] and [`Vector4`]: plain component triples and their arithmetic.
+//! [`Vector2`], [`Vector3`] and [`Vector4`]: named components and their arithmetic.
 
 use crate::Real;
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
 
-/// Writes the arithmetic that is the same, component by component, for every length.
+/// Implements the arithmetic that is the same, component by component, for every length.
 macro_rules! componentwise {
     ($Vector:ident, $n:literal, $($c:ident = $i:literal),+) => {
         impl $Vector {
             /// All components zero.
             pub const ZERO: Self = Self { $($c: 0.0),+ };
 
-            /// A vector of these components.
+            /// Makes a vector of these components.
             #[inline]
             pub const fn new($($c: Real),+) -> Self {
                 Self { $($c),+ }
             }
 
-            /// Every component equal to `value`.
+            /// Makes a vector with every component equal to `value`.
             #[inline]
             pub const fn splat(value: Real) -> Self {
                 Self { $($c: value),+ }
             }
 
-            /// The components in order.
+            /// Returns the components in order.
             #[inline]
             pub const fn to_array(self) -> [Real; $n] {
                 [$(self.$c),+]
             }
 
-            /// The scalar product.
+            /// Returns the scalar product.
             #[inline]
             pub fn dot(self, other: Self) -> Real {
                 0.0 $(+ self.$c * other.$c)+
             }
 
-            /// The squared Euclidean length.
+            /// Returns the squared Euclidean length.
             #[inline]
             pub fn length_squared(self) -> Real {
                 self.dot(self)
             }
 
-            /// The Euclidean length.
+            /// Returns the Euclidean length.
             #[inline]
             pub fn length(self) -> Real {
                 self.length_squared().sqrt()
             }
 
-            /// The largest absolute component; NaN components are passed over.
+            /// Returns the largest absolute component; ignores NaN.
             #[inline]
             pub fn max_abs(self) -> Real {
                 (0.0 as Real)$(.max(self.$c.abs()))+
             }
 
-            /// Whether no component is infinite or NaN.
+            /// Returns whether no component is infinite or NaN.
             #[inline]
             pub fn is_finite(self) -> bool {
                 true $(& self.$c.is_finite())+
             }
 
-            /// The component-wise product (of two colours, say).
+            /// Returns the component-wise product (of two colours, say).
             #[inline]
             pub fn scaled_by(self, other: Self) -> Self {
                 Self { $($c: self.$c * other.$c),+ }
             }
 
-            /// The component-wise minimum.
+            /// Returns the component-wise minimum.
             #[inline]
             pub fn min(self, other: Self) -> Self {
                 Self { $($c: self.$c.min(other.$c)),+ }
             }
 
-            /// The component-wise maximum.
+            /// Returns the component-wise maximum.
             #[inline]
             pub fn max(self, other: Self) -> Self {
                 Self { $($c: self.$c.max(other.$c)),+ }
             }
 
-            /// `f` of every component.
+            /// Applies `f` to every component.
             #[inline]
             pub fn map(self, f: impl Fn(Real) -> Real) -> Self {
                 Self { $($c: f(self.$c)),+ }
@@ -195,7 +195,7 @@ componentwise!(Vector3, 3, x = 0, y = 1, z = 2);
 componentwise!(Vector4, 4, x = 0, y = 1, z = 2, w = 3);
 
 impl Vector3 {
-    /// The vector product, by the right-hand rule.
+    /// Returns the vector product, by the right-hand rule.
     #[inline]
     pub fn cross(self, other: Self) -> Self {
         Self {
@@ -205,9 +205,9 @@ impl Vector3 {
         }
     }
 
-    /// The unit vector of the same direction, or `None` where there is none: zero, infinite or NaN.
+    /// Returns the unit vector of the same direction, or `None` where there is none: zero, infinite or NaN.
     ///
-    /// Scaled by the largest component first, so that squares neither overflow nor vanish.
+    /// It is divided by its largest component first, so that squares neither overflow nor underflow.
     pub fn try_normalized(self) -> Option<Self> {
         let largest = self.max_abs();
         if !(largest > 0.0 && self.is_finite()) {
@@ -217,7 +217,7 @@ impl Vector3 {
         Some(scaled / scaled.length())
     }
 
-    /// The unit vector of the same direction; zero stays zero.
+    /// Returns the unit vector of the same direction; zero stays zero.
     #[inline]
     pub fn normalized(self) -> Self {
         match self.is_usual() {
@@ -226,8 +226,9 @@ impl Vector3 {
         }
     }
 
-    /// Whether neither the squares of the components nor their sum leave the normal range: the vector can be
-    /// normalised without being scaled.
+    /// Returns whether the squared length stays in the normal range, so that the vector can be normalised without
+    /// being
+    /// scaled first.
     #[inline(always)]
     pub fn is_usual(self) -> bool {
         let length_squared = self.length_squared();
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_direction_is_not_normalized() {
+    fn vectors_without_direction_are_not_normalized() {
         assert_eq!(Vector3::ZERO.normalized(), Vector3::ZERO);
         assert_eq!(Vector3::ZERO.try_normalized(), None);
         assert_eq!(Vector3::new(Real::NAN, 1.0, 0.0).try_normalized(), None);
