@@ -24,7 +24,7 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
     let meshes = [("ball.obj", ball.as_str()), ("cube.obj", CUBE)];
     let studio = Studio::with_meshes(&scene, &meshes, &format!("-shadows {}", way.flags)).at(way);
     let mut random = Random(21);
-    let mut wrong = 0;
+    let (mut wrong, mut towards, mut away_from) = (0, 0, 0);
     for _ in 0..4000 {
         let to = [0, 1, 2].map(|i| center[i] + scale * 0.5 * random.signed());
         let away = random.unit();
@@ -38,12 +38,19 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
         let lit = studio.color(&ray)[0] > 0.0;
         // Within 1e-6 of a right angle the light grazes the surface, and either is right.
         if facing > 1e-6 && shaded > 1e-6 {
+            towards += 1;
             wrong += u32::from(!lit);
         } else if facing < -1e-6 && way.robust() {
             // The starter lights what faces away where its 0.01 leads out of the body again, or through a plane.
+            away_from += 1;
             wrong += u32::from(lit);
         }
     }
+    // Where nothing is hit, nothing is wrong.
+    assert!(
+        towards > 1000 && (away_from > 1000 || !way.robust()),
+        "{towards} points face the light, {away_from} do not"
+    );
     wrong
 }
 

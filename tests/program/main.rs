@@ -2,9 +2,12 @@
 
 mod architecture;
 mod cli;
+mod measuring;
 mod mutations;
 mod needs;
+mod numbers;
 mod parse_errors;
 mod rust_source;
+mod snapshots;
 #[path = "../support/mod.rs"]
 mod support;

@@ -1,0 +1,264 @@
+//! What a picture cost and how wrong it is, as files and messages say it: `-report`, `-convergence`, `-error-map`,
+//! `-target-error` and `-time-limit`.
+
+use crate::support::{Folder, Run, SCENE, TRIANGLE, project};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// A scene of the project with a mirror, shadows and a cube map.
+fn mirror_bunny() -> String {
+    format!("-input {} -bounces 4 -shadows", project("data/scene06_bunny_1k.txt").display())
+}
+
+fn succeeds(folder: &Folder, arguments: &str) -> Run {
+    let run = folder.a2(arguments);
+    assert_eq!(run.exit_code, 0, "{arguments}: {}", run.stderr);
+    run
+}
+
+/// Runs a2 with `-report` and reads what it wrote.
+fn report(folder: &Folder, arguments: &str) -> Value {
+    succeeds(folder, &format!("{arguments} -report report.json"));
+    serde_json::from_slice(&std::fs::read(folder.path("report.json")).unwrap()).unwrap()
+}
+
+/// Every key of a report as a path (`rays.camera`) with the type of its value; lists count as one value.
+fn keys(value: &Value, path: &str, found: &mut BTreeMap<String, &'static str>) {
+    let kind = match value {
+        Value::Object(members) => {
+            for (key, member) in members {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                keys(member, &path, found);
+            }
+            return;
+        }
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "text",
+        Value::Array(_) => "list",
+    };
+    found.insert(path.to_owned(), kind);
+}
+
+/// The keys of a report whose estimate and true error are known.
+const KEYS: &str = "a2:text scene:text width:number height:number threads:number seed:number
+    phases.parse.wall_seconds:number phases.parse.cpu_seconds:number
+    phases.load.wall_seconds:number phases.load.cpu_seconds:number
+    phases.build.wall_seconds:number phases.build.cpu_seconds:number
+    phases.render.wall_seconds:number phases.render.cpu_seconds:number
+    phases.filter.wall_seconds:number phases.filter.cpu_seconds:number
+    phases.encode.wall_seconds:number phases.encode.cpu_seconds:number
+    total.wall_seconds:number total.cpu_seconds:number
+    rays.camera:number rays.shadow:number rays.mirror:number rays.total:number rays.shadow_left_out:number
+    rays.million_per_second:number peak_memory_bytes:number cube_map_faces_decoded:number left_out:list
+    samples.sampler:text samples.per_pixel_least:number samples.per_pixel_mean:number samples.per_pixel_most:number
+    samples.passes:number samples.target_error_levels:null samples.target_error_reached:null
+    samples.time_limit_seconds:null
+    estimated_error.levels.rmse:number estimated_error.levels.low_95:number estimated_error.levels.high_95:number
+    estimated_error.linear.rmse:number estimated_error.linear.low_95:number estimated_error.linear.high_95:number
+    true_error.rmse_levels:number true_error.rmse_linear:number true_error.relative_mse:number
+    true_error.relative_mse_epsilon:number true_error.psnr_db:number true_error.ssim:number
+    true_error.worst_levels:number true_error.worst_pixel:list
+    true_error.share_over_1_level:number";
+
+#[test]
+fn a_report_has_every_key_with_a_plausible_value() {
+    let folder = Folder::new();
+    succeeds(&folder, &format!("{} -size 24 18 -output reference.png", mirror_bunny()));
+    let flags = "-size 24 18 -jitter -seed 3 -threads 2 -output o.png -reference reference.png";
+    let report = report(&folder, &format!("{} {flags}", mirror_bunny()));
+    let mut found = BTreeMap::new();
+    keys(&report, "", &mut found);
+    let mut expected: BTreeMap<String, &str> = KEYS
+        .split_whitespace()
+        .map(|key| key.split_once(':').unwrap())
+        .map(|(key, kind)| (key.into(), kind))
+        .collect();
+    if cfg!(not(target_os = "linux")) {
+        expected.insert("peak_memory_bytes".into(), found["peak_memory_bytes"]);
+    }
+    assert_eq!(found, expected);
+
+    let number = |path: &str| report.pointer(&format!("/{}", path.replace('.', "/"))).unwrap().as_f64().unwrap();
+    assert_eq!(report["a2"], env!("CARGO_PKG_VERSION"));
+    assert!(report["scene"].as_str().unwrap().ends_with("scene06_bunny_1k.txt"));
+    let camera = 24.0 * 18.0 * 16.0;
+    for (path, value) in [
+        ("width", 24.0),
+        ("height", 18.0),
+        ("threads", 2.0),
+        ("seed", 3.0),
+        ("rays.camera", camera),
+        ("samples.per_pixel_mean", 16.0),
+    ] {
+        assert_eq!(number(path), value, "{path}");
+    }
+    assert!(
+        number("rays.shadow") > 100.0 && number("rays.mirror") > 100.0 && number("rays.shadow_left_out") > 0.0
+    );
+    assert_eq!(number("rays.total"), camera + number("rays.shadow") + number("rays.mirror"));
+    assert!((1.0..=6.0).contains(&number("cube_map_faces_decoded")));
+    let phases = ["parse", "load", "build", "render", "filter", "encode"];
+    let sum: f64 = phases.iter().map(|phase| number(&format!("phases.{phase}.wall_seconds"))).sum();
+    assert!(number("phases.render.wall_seconds") > 0.0 && sum <= number("total.wall_seconds"), "{sum}");
+    for of in ["estimated_error.levels", "estimated_error.linear"] {
+        let [low, rmse, high] = ["low_95", "rmse", "high_95"].map(|key| number(&format!("{of}.{key}")));
+        assert!(0.0 < low && low < rmse && rmse < high, "{of}: {low} {rmse} {high}");
+    }
+    // The reference has one sample a pixel, in its corner.
+    let rmse = number("true_error.rmse_levels");
+    assert!(rmse > 1.0 && number("true_error.worst_levels") > rmse);
+    assert!((number("true_error.psnr_db") - 20.0 * (255.0 / rmse).log10()).abs() < 1e-9);
+}
+
+#[test]
+fn a_report_says_null_where_nothing_is_known() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let report = report(&folder, "-input s.txt -size 9 9 -output o.png");
+    for key in ["/true_error", "/estimated_error", "/samples/sampler"] {
+        assert_eq!(report.pointer(key), Some(&Value::Null), "{key}");
+    }
+    let reasons: Vec<&str> =
+        report["left_out"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    assert!(reasons.iter().any(|reason| reason.starts_with("shadow rays: ")), "{reasons:?}");
+}
+
+/// The rows of a table as maps from the names in its first line.
+fn table(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(folder.path(name)).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows = lines.map(|line| {
+        let values: Vec<&str> = line.split(',').collect();
+        assert_eq!(values.len(), names.len(), "{line}");
+        names.iter().map(|name| (*name).to_owned()).zip(values.into_iter().map(str::to_owned)).collect()
+    });
+    rows.collect()
+}
+
+#[test]
+fn convergence_is_a_table_of_error_against_samples_and_time() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let flags = "-input s.txt -size 40 40 -sampler independent";
+    succeeds(&folder, &format!("{flags} -samples 4096 -seed 9 -output reference.pfm"));
+    succeeds(
+        &folder,
+        &format!("{flags} -samples 64 -output o.png -reference reference.pfm -convergence c.csv -quiet"),
+    );
+    let rows = table(&folder, "c.csv");
+    let names = "sampler samples seconds cpu_seconds rays estimated_rmse_levels estimated_low_95 estimated_high_95
+        estimated_rmse_linear true_rmse_levels true_rmse_linear true_ssim";
+    let expected: std::collections::BTreeSet<&str> = names.split_whitespace().collect();
+    assert!(rows[0].keys().map(String::as_str).eq(expected), "{:?}", rows[0]);
+    let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().ok();
+    let column = |name: &str| rows.iter().map(|row| number(row, name)).collect::<Vec<_>>();
+    assert_eq!(column("samples"), [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0].map(Some));
+    assert!(rows.iter().all(|row| row["sampler"] == "independent"));
+    for row in &rows {
+        assert_eq!(number(row, "rays"), number(row, "samples").map(|samples| samples * 1600.0));
+        assert!(number(row, "seconds") > Some(0.0) && number(row, "cpu_seconds").is_some());
+    }
+    // One sample tells nothing about its error.
+    assert_eq!(column("estimated_rmse_levels")[0], None);
+    let last = &rows[6];
+    let [low, estimated, high] =
+        ["estimated_low_95", "estimated_rmse_levels", "estimated_high_95"].map(|name| number(last, name).unwrap());
+    assert!(low < estimated && estimated < high);
+    // The error of independent samples shrinks with the square root of their number: eight times from 1 to 64.
+    let [one, sixty_four] = [&rows[0], last].map(|row| number(row, "true_rmse_levels").unwrap());
+    assert!((4.0..16.0).contains(&(one / sixty_four)), "{one} {sixty_four}");
+    assert!((0.7..1.4).contains(&(estimated / sixty_four)), "{estimated} {sixty_four}");
+    assert!(number(last, "true_ssim") > number(&rows[0], "true_ssim"));
+}
+
+#[test]
+fn an_error_map_is_bright_along_edges_and_black_where_nothing_is_random() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    succeeds(&folder, "-input s.txt -size 40 40 -samples 16 -output o.png -error-map e.png -normals n.png");
+    let (map, picture) = (folder.picture("e.png"), folder.picture("o.png"));
+    assert_eq!(map.dimensions(), (40, 40));
+    let (mut edges, mut bright) = (0, 0);
+    for (error, color) in map.pixels().zip(picture.pixels()) {
+        // A white triangle before black: a pixel between has samples of both.
+        let is_edge = !matches!(color.0, [0, 0, 0] | [255, 255, 255]);
+        let is_bright = error.0 != [0, 0, 0];
+        assert!(is_edge || !is_bright, "{color:?} {error:?}");
+        edges += u32::from(is_edge);
+        bright += u32::from(is_bright);
+    }
+    // Two halves of the samples may agree at an edge by chance.
+    assert!(edges > 20 && bright > edges / 4, "{bright} of {edges}");
+}
+
+#[test]
+fn a_target_error_is_stated_reached_and_true() {
+    let folder = Folder::new();
+    succeeds(
+        &folder,
+        &format!("{} -size 30 30 -samples 1024 -seed 7 -sampler sobol -output truth.pfm -quiet", mirror_bunny()),
+    );
+    let flags = "-size 30 30 -target-error 3 -output o.png -reference truth.pfm";
+    let report = report(&folder, &format!("{} {flags}", mirror_bunny()));
+    let samples = &report["samples"];
+    assert_eq!((&samples["target_error_reached"], &samples["sampler"]), (&Value::Bool(true), &"sobol".into()));
+    assert_eq!(samples["target_error_levels"], 3.0);
+    assert!(samples["passes"].as_u64() > Some(0));
+    assert!(samples["per_pixel_most"].as_u64() > samples["per_pixel_least"].as_u64());
+    assert!(report["estimated_error"]["levels"]["rmse"].as_f64() <= Some(3.0));
+    let rmse = report["true_error"]["rmse_levels"].as_f64().unwrap();
+    assert!((1.0..4.5).contains(&rmse), "{rmse}");
+
+    let run = succeeds(&folder, &format!("{} -size 30 30 -target-error 3 -output o.png", mirror_bunny()));
+    assert!(run.stderr.starts_with("estimated    RMSE "), "{}", run.stderr);
+}
+
+#[test]
+fn a_target_error_that_is_not_reached_is_a_warning() {
+    let folder = Folder::new();
+    let flags = "-size 30 30 -target-error 0.001 -time-limit 0.1 -output o.png -report report.json";
+    let run = succeeds(&folder, &format!("{} {flags}", mirror_bunny()));
+    assert!(run.stderr.contains("warning: the target error of 0.001 levels was not reached"), "{}", run.stderr);
+    let report: Value = serde_json::from_slice(&std::fs::read(folder.path("report.json")).unwrap()).unwrap();
+    assert_eq!(report["samples"]["target_error_reached"], false);
+}
+
+#[test]
+fn a_time_limit_is_used_and_kept() {
+    let folder = Folder::new();
+    let report =
+        report(&folder, &format!("{} -size 60 60 -samples 20000 -time-limit 0.4 -output o.png", mirror_bunny()));
+    assert_eq!(report["samples"]["time_limit_seconds"], 0.4);
+    let seconds = report["total"]["wall_seconds"].as_f64().unwrap();
+    // Five times as long, for machines that do much else.
+    assert!((0.2..2.0).contains(&seconds), "{seconds}");
+    let samples = report["samples"]["per_pixel_mean"].as_f64().unwrap();
+    assert!((1.0..20000.0).contains(&samples), "{samples}");
+    assert!(report["estimated_error"]["levels"]["rmse"].as_f64() > Some(0.0));
+    assert_eq!(folder.picture("o.png").dimensions(), (60, 60));
+}
+
+#[test]
+fn an_epsilon_is_where_shadow_rays_start() {
+    // A triangle stands one before a wall. A shadow ray that starts three off the wall begins beyond the triangle.
+    let folder = Folder::new();
+    let wall = "Triangle { vertex0 -90 -90 -1 vertex1 90 -90 -1 vertex2 0 90 -1 }";
+    let light = "DirectionalLight { direction 0 -2 -1 color 1 1 1 }";
+    let scene = SCENE
+        .replace("numObjects 1", "numObjects 2")
+        .replace(TRIANGLE, &format!("{TRIANGLE} {wall}"))
+        .replace(crate::support::LIGHT, light);
+    folder.write("s.txt", scene);
+    let lit = |flags: &str| {
+        succeeds(&folder, &format!("-input s.txt -size 61 61 -shadows {flags} -output o.png"));
+        folder.picture("o.png").pixels().filter(|pixel| pixel.0 != [0, 0, 0]).count()
+    };
+    let usual = lit("");
+    assert_eq!(lit("-epsilon 0.01"), usual);
+    assert_eq!(lit("-epsilon auto"), usual);
+    let far = lit("-epsilon 3");
+    assert!(far > usual + 20, "{usual} lit pixels, {far} with an epsilon of 3");
+}
