@@ -1,4 +1,4 @@
-//! Parses camera, background and materials. One function for each block; its documentation shows the block's syntax.
+//! Parses camera, background and materials. Each block has a function, whose documentation shows the syntax.
 
 use super::description::{At, BackgroundBlock, CameraBlock};
 use super::fields::{Count, Fields, Key, Occurs};
@@ -84,7 +84,7 @@ fn material<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Material, Er
                 }
                 material.shininess = shininess as Real;
             }
-            // The starter reads bump maps and does nothing with them.
+            // The starter reads the name of a bump map and ignores it.
             _ => drop(fields.path(key, "a file")?),
         }
         Ok(())

@@ -1,6 +1,6 @@
-//! Parses lights. One function for each kind; its documentation shows the block's syntax.
+//! Parses lights. Each kind has a function, whose documentation shows the syntax.
 //!
-//! To add a kind of light, write its function and name it in [`LIGHTS`].
+//! To add a kind of light, write its function and add it to [`LIGHTS`].
 
 use super::description::At;
 use super::fields::{Count, Fields, Key, Occurs};

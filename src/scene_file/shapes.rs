@@ -1,6 +1,6 @@
-//! Parses the objects that hold no other. One function for each shape; its documentation shows the block's syntax.
+//! Parses shapes. Each shape has a function, whose documentation shows the syntax.
 //!
-//! To add a shape, write its function and name it in [`SHAPES`].
+//! To add a shape, write its function and add it to [`SHAPES`].
 
 use super::description::{At, LeafShape};
 use super::fields::{Fields, Key, Occurs};
