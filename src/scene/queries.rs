@@ -78,7 +78,7 @@ impl Geometry {
         object.any_hit(ray, t_max, |mesh, ray| self.any_hit_of_mesh(simd, mesh, ray, t_max))
     }
 
-    /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
+    /// Returns the nearest hit with t < `t_max`; of several at the same t, the first triangle's.
     fn closest_hit_of_mesh<S: Simd>(
         &self,
         simd: S,
@@ -101,7 +101,7 @@ impl Geometry {
         closest
     }
 
-    /// Some hit at a t up to and including `t_max`.
+    /// Returns any hit at a t up to and including `t_max`.
     fn any_hit_of_mesh<S: Simd>(&self, simd: S, mesh: u32, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
         let (mesh, tree) = self.mesh_and_tree(mesh);
         let mut found = None;
