@@ -241,7 +241,7 @@ impl Picture<'_> {
     }
 }
 
-/// The variance of what a few samples show, in squared levels, as the mean over the channels.
+/// Returns the variance of what a few samples show, in squared levels, as the mean over the channels.
 fn shown_variance(seen: &[Seen]) -> f32 {
     let shown = |c: usize| seen.iter().map(move |seen| 255.0 * (seen.color[c] as f64).clamp(0.0, 1.0));
     let variance = |c: usize| {

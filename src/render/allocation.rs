@@ -37,7 +37,7 @@ pub struct Allocation {
     calibration: f64,
 }
 
-/// The weight of a step.
+/// Returns the weight of a step.
 fn weight(step: usize) -> f64 {
     (step as f64 / STEPS).exp2()
 }
@@ -60,7 +60,7 @@ impl Allocation {
         goal(weight(usize::from(self.steps[pixel])) * self.scale)
     }
 
-    /// The mean squared error in levels that the model expects with this scale.
+    /// Returns the mean squared error in levels that the model expects with this scale.
     fn expected(&self, scale: f64) -> f64 {
         let error = |(step, variance): (usize, &f64)| {
             variance / (2.0 * f64::from(goal(weight(step) * scale)).powf(self.order))
@@ -96,7 +96,7 @@ impl Allocation {
     }
 }
 
-/// A number of samples: rounded up to a power of two or one and a half of it, which Sobol's sequence spreads well.
+/// Returns a number of samples: rounded up to a power of two or one and a half of it, which Sobol's sequence spreads well.
 fn goal(wanted: f64) -> u32 {
     if wanted <= 1.0 {
         return 1;
@@ -110,7 +110,7 @@ fn goal(wanted: f64) -> u32 {
     if wanted <= between { between } else { power }
 }
 
-/// The variance of a pixel as its surroundings suggest it: edges run on from pixel to pixel, and four samples miss many.
+/// Returns the variance of a pixel as its surroundings suggest it: edges run on from pixel to pixel, and four samples miss many.
 fn pooled(variances: &[f32], width: usize) -> Vec<f32> {
     const OWN: f32 = 4.0;
     const BESIDE: f32 = 1.0;

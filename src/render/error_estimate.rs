@@ -83,7 +83,7 @@ impl Sums {
     }
 }
 
-/// The variance of the difference between v and the squared error, as a multiple of v^2.
+/// Returns the variance of the difference between v and the squared error, as a multiple of v^2.
 fn spread(sets: f64) -> f64 {
     const KURTOSIS: f64 = 2.0;
     2.0 * sets / (sets - 1.0) / (1.0 + (KURTOSIS - 3.0) / sets + 2.0 / (sets - 1.0))
@@ -112,7 +112,7 @@ impl ErrorSums {
         self.add(mean, deviations, 2)
     }
 
-    /// The sum of parts, in their order, for sums depend on it.
+    /// Returns the sum of parts, in their order, for sums depend on it.
     pub fn total(parts: &[Self]) -> Self {
         let mut total = Self::default();
         parts.iter().for_each(|part| total.merge(part));
@@ -135,7 +135,7 @@ impl ErrorSums {
     }
 }
 
-/// The mean square of what is left of an error of +-sqrt(`variance`) after the true and the shown value are clamped.
+/// Returns the mean square of what is left of an error of +-sqrt(`variance`) after the true and the shown value are clamped.
 fn clamped_variance(mean: f64, variance: f64) -> f64 {
     let error = variance.sqrt();
     let shown = mean.clamp(0.0, 1.0);

@@ -31,7 +31,7 @@ pub struct SampleCounts {
 }
 
 impl SampleCounts {
-    /// The same number in every pixel.
+    /// Returns the same number in every pixel.
     pub fn even(pixels: u64, samples: u32) -> Self {
         Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, passes: 0 }
     }

@@ -46,14 +46,14 @@ impl Pixel {
     }
 }
 
-/// The mean of `count` pixels.
+/// Returns the mean of `count` pixels.
 pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
     let mut mean = Pixel::default();
     pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
     mean
 }
 
-/// A 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
+/// Returns a 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
 pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
     let mut mean = Pixel::default();

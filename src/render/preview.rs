@@ -43,13 +43,13 @@ impl Preview {
         Self { step, rows: rows.into_iter().map(|row| row.0).collect(), counts }
     }
 
-    /// What it shows in place of a pixel of the picture.
+    /// Returns what it shows in place of a pixel of the picture.
     pub fn pixel(&self, (x, row): (u32, u32)) -> Pixel {
         self.rows[(row / self.step) as usize][(x / self.step) as usize]
     }
 }
 
-/// Every how many pixels along each side one is traced: so few in all that they take no time, whatever the picture's size.
+/// Returns every how many pixels along each side one is traced: so few in all that they take no time, whatever the picture's size.
 fn step(width: u32, height: u32) -> u32 {
     const MOST_PIXELS: u64 = 4096;
     let pixels = u64::from(width) * u64::from(height);

@@ -70,7 +70,7 @@ impl RayMaker {
         }
     }
 
-    /// The place of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
+    /// Returns the place of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
     /// falls into the block's pixels as often as the filter weighs them, so that the mean over all samples is the
     /// same as with a mean for each of them, and any number of samples will do.
     pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> Place {
@@ -82,7 +82,7 @@ impl RayMaker {
         self.grid.place((3 * x + column, 3 * row + line), (offset_x, offset_y))
     }
 
-    /// What a ray saw as the pictures show it.
+    /// Returns what a ray saw as the pictures show it.
     pub fn displayed(&self, seen: &Seen) -> Pixel {
         let mut pixel = Pixel::default();
         self.display(seen, &mut pixel);

@@ -20,7 +20,7 @@ impl SamplePattern {
         Self { kind, cells: Cells::new(count) }
     }
 
-    /// A set of samples of a pixel. Sets of different numbers are independent of each other.
+    /// Returns a set of samples of a pixel. Sets of different numbers are independent of each other.
     pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {
         // Set 0 of 16 stratified samples is what the default picture is made of.
         let seed = if set == 0 { seed } else { mixed(seed ^ u64::from(set).rotate_left(40)) };
@@ -36,7 +36,7 @@ pub struct SampleSet<'a> {
 }
 
 impl SampleSet<'_> {
-    /// The offset of a sample from its pixel, in pixels, both in \[0, 1).
+    /// Returns the offset of a sample from its pixel, in pixels, both in \[0, 1).
     pub fn offset(&self, sample: u32) -> (Real, Real) {
         match self.pattern.kind {
             SamplerKind::Independent => {
@@ -131,7 +131,7 @@ impl Cells {
 }
 
 impl Cell {
-    /// The place in the pixel of a place in the cell.
+    /// Returns the place in the pixel of a place in the cell.
     fn place(&self, x: Real, y: Real) -> (Real, Real) {
         let (columns, count) = (self.columns as Real, self.count as Real);
         let x = (self.column as Real + x) / columns;
@@ -140,7 +140,7 @@ impl Cell {
     }
 }
 
-/// The whole number nearest to the root of `count`.
+/// Returns the whole number nearest to the root of `count`.
 fn nearest_root(count: u32) -> u32 {
     let root = count.isqrt();
     root + u32::from(count - root * root > root)
@@ -149,7 +149,7 @@ fn nearest_root(count: u32) -> u32 {
 /// The largest number below 1: in `f32`, 32 random bits may round up to 1.
 const BELOW_ONE: Real = 1.0 - Real::EPSILON / 2.0;
 
-/// A bijection of 64-bit numbers that scatters neighbours (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
+/// Returns a bijection of 64-bit numbers that scatters neighbours (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
 /// Splittable Pseudorandom Number Generators, OOPSLA 2014).
 fn mixed(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);

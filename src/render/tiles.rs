@@ -25,7 +25,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The tiles of a picture, row by row.
+    /// Returns the tiles of a picture, row by row.
     pub fn all(width: u32, height: u32) -> Vec<Self> {
         let rows = (0..height).step_by(TILE as usize);
         rows.flat_map(|row| (0..width).step_by(TILE as usize).map(move |x| (x, row)))

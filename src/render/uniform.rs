@@ -160,7 +160,7 @@ impl<'a> TileRenderer<'a> {
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
     }
 
-    /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
+    /// Returns what all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
     /// of the traced grid, with `-filter` the filtered block of those.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
         match self.sizes {
@@ -194,7 +194,7 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// The mean of some of the samples of each pixel of the traced grid, filtered.
+    /// Returns the mean of some of the samples of each pixel of the traced grid, filtered.
     fn mean_of(&self, seen: &[Seen], samples: Range<usize>) -> Pixel {
         let count = samples.len() as u32;
         let mut grid_pixels = seen.chunks(self.options.samples() as usize).map(|all| {
