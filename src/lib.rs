@@ -5,11 +5,10 @@
 //! 1. [`args`]: a command line becomes [`options`];
 //! 2. [`scene_file`]: the text of a scene becomes a description;
 //! 3. [`plan`]: which parts of the scene the wanted pictures need;
-//! 4. [`scene`]: the compiled scene, made of [`objects`], [`camera`], [`light`], [`material`] and [`cube_map`], and
-//! of the
+//! 4. [`scene`]: the compiled scene, made of [`objects`], [`camera`], [`light`], [`material`] and [`cube_map`], with the
 //!    trees of [`bvh`];
 //! 5. [`trace`]: what one ray sees; [`wide`] does the same for 64 rays at a time, with [`simd`];
-//! 6. [`render`]: which rays make a pixel;
+//! 6. [`render`](mod@render): which rays make a pixel;
 //! 7. [`film`]: bytes and files.
 //!
 //! [`measure`] computes errors and costs of pictures.

@@ -1,10 +1,9 @@
 //! Encodes pictures as PNG by all threads in parallel.
 //!
 //! The rows are divided into strips. Each strip is filtered and deflated by itself, and written as one `IDAT` chunk.
-//! The
-//! strips are joined into one zlib stream: each ends on a whole byte (RFC 1951), and the last one has the checksum of
-//! all
-//! (RFC 1950). The strips depend only on the size of the picture, so the file is the same for any number of threads.
+//! The strips are joined into one zlib stream: each ends on a whole byte (RFC 1951), and the last one has the
+//! checksum of all (RFC 1950). The strips depend only on the size of the picture, so the file is the same for any
+//! number of threads.
 
 use fdeflate::Compressor;
 use png::EncodingError;
@@ -13,8 +12,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 /// Approximate size of a strip in bytes of pixels: so large that the 75 bytes of overhead are nothing, and so small
-/// that
-/// even a small picture keeps several threads busy.
+/// that even a small picture keeps several threads busy.
 const STRIP_BYTES: usize = 1 << 18;
 /// Number of strips in memory: enough for all threads, and little memory compared to a large picture.
 const STRIPS_AT_ONCE: usize = 32;
@@ -111,8 +109,7 @@ fn without_checksum(mut stream: Vec<u8>) -> io::Result<(Vec<u8>, u32)> {
 fn continue_after(stream: &mut Vec<u8>) {
     stream[2] &= !1;
     // `fdeflate` ends a block with a code whose last bit is 1, and fills the byte with zeros. Three zeros begin an
-    // empty
-    // stored block. It goes on with the next whole byte: its length 0, and the complement of the length.
+    // empty stored block. It goes on with the next whole byte: its length 0, and the complement of the length.
     if stream.last().is_none_or(|byte| byte.leading_zeros() < 3) {
         stream.push(0);
     }
@@ -120,8 +117,7 @@ fn continue_after(stream: &mut Vec<u8>) {
 }
 
 /// Returns the Adler-32 checksum of two pieces of data one after the other, from the checksum of each. The second
-/// piece
-/// has `length` bytes.
+/// piece has `length` bytes.
 fn joined(first: u32, second: u32, length: u64) -> u32 {
     let sums = |checksum: u32| (u64::from(checksum & 0xffff), u64::from(checksum >> 16));
     let ((a1, b1), (a2, b2)) = (sums(first), sums(second));

@@ -8,8 +8,7 @@ use std::fmt;
 use std::path::Path;
 
 /// The differences of two pictures of the same size. The difference of a pixel is that of its worst channel, in
-/// levels
-/// from 0 to 255.
+/// levels from 0 to 255.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     pub pixels: u64,

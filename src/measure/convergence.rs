@@ -1,9 +1,8 @@
 //! `-convergence`: a table of error against cost, from one run.
 //!
 //! Pictures of 1, 2, 4 ... N samples a pixel are rendered one after the other. Each is the picture that `-samples`
-//! gives
-//! with that number, and each line of the table has the cost of one picture. (Adding samples to the previous picture
-//! would cost half as much, but a stratified set of samples cannot be extended.)
+//! gives with that number, and each line of the table has the cost of one picture. (Adding samples to the previous
+//! picture would cost half as much, but a stratified set of samples cannot be extended.)
 
 use super::reference::{Reference, TrueError};
 use crate::options::Options;

@@ -1,9 +1,8 @@
 //! [`TrueError`]: the error of a picture against a reference picture that counts as true.
 //!
 //! If the reference is of numbers (PFM, EXR), the picture's colours are compared before truncation. In *levels*, both
-//! are
-//! clamped to \[0, 1\] and multiplied by 255. If the reference is of bytes (PNG), the picture's bytes are compared,
-//! because the reference has lost its fractions.
+//! are clamped to \[0, 1\] and multiplied by 255. If the reference is of bytes (PNG), the picture's bytes are
+//! compared, because the reference has lost its fractions.
 
 use super::compare::read_rgb;
 use super::ssim::ssim;

@@ -2,10 +2,8 @@
 //! Similarity, IEEE TIP 13(4), 2004): 1 for equal pictures, less where structure is lost.
 //!
 //! The windows are 8 x 8 pixels side by side, smaller at the right and lower edge, and weighted by their area.
-//! Variances
-//! are sums over a window and not means, as in the crate `image-compare`, so that values can be compared with older
-//! ones.
-//! A little noise in a flat window counts for more than in the paper.
+//! Variances are sums over a window and not means, as in the crate `image-compare`, so that values can be compared
+//! with older ones. A little noise in a flat window counts for more than in the paper.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! [`TileSamples`]: the samples of a tile while their number is being found out.
+//! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
 use super::error_estimate::ErrorSums;
 use super::pixel::Pixel;
@@ -9,25 +9,25 @@ use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
 
-/// Sums over the samples of each pixel of a tile, in two halves that are independent of each other.
+/// Sums over the samples of each pixel of a tile, in two independent halves.
 pub struct TileSamples {
     pub tile: Tile,
-    /// Samples in each half, a pixel.
+    /// Number of samples in each half, for each pixel.
     pub samples: Vec<u32>,
-    /// Sums of colours in each half, a pixel; empty unless colours are asked for.
+    /// Sums of colours in each half, for each pixel; empty without a colour picture.
     colors: Vec<[Vector3; 2]>,
-    /// Sums of the rest over both halves, a pixel; empty unless depths or normals are asked for.
+    /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
     pub counts: RayCounts,
 }
 
-/// Samples that a pixel is to get.
+/// Samples that a pixel needs.
 pub struct Wanted {
-    /// In the tile.
+    /// Index of the pixel in the tile.
     pub index: usize,
     /// Column and row in the picture.
     pub pixel: (u32, u32),
-    /// Their numbers in each half.
+    /// Numbers of the samples, in each half.
     pub samples: Range<u32>,
 }
 

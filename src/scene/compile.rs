@@ -130,8 +130,7 @@ impl Flattened<'_> {
     }
 
     /// Multiplies the steps of a transform. A step multiplies from the right, so the first one is applied last; a
-    /// `Matrix4f`
-    /// multiplies from the left, as in the starter.
+    /// `Matrix4f` multiplies from the left, as in the starter.
     fn composed(&self, steps: &[At<TransformStep>]) -> Result<Matrix4, Error> {
         let mut product = Matrix4::IDENTITY;
         for step in steps {

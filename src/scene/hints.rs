@@ -1,6 +1,5 @@
 //! Warnings about the numbers of a scene: where the starter's fixed ray offset of 0.01 does not fit, where the normal
-//! of
-//! a plane is not a unit vector, and where a matrix loses many digits.
+//! of a plane is not a unit vector, and where a matrix loses many digits.
 //!
 //! There is one sentence for each kind of warning, which names the first object concerned.
 

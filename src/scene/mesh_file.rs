@@ -45,8 +45,7 @@ fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
 }
 
 /// Returns the lines of vertices and faces. At a group, object or material tobj would begin a new model with vertices
-/// of
-/// its own, and smooth surfaces would get a visible seam.
+/// of its own, and smooth surfaces would get a visible seam.
 fn geometry_lines(bytes: &[u8]) -> Vec<u8> {
     let mut kept = Vec::with_capacity(bytes.len());
     for line in bytes.split_inclusive(|&byte| byte == b'\n') {

@@ -1,8 +1,7 @@
 //! [`Scene`]: everything that rays can meet. It is flat and immutable, and all threads share it.
 //!
-//! [`compile`] makes a scene of a [`Description`](crate::scene_file::Description) and a [`Plan`](crate::plan::Plan):
-//! it
-//! loads meshes and multiplies transforms.
+//! [`compile()`] makes a scene of a [`Description`](crate::scene_file::Description) and a
+//! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
 mod compile;
 mod geometry;

@@ -112,8 +112,8 @@ impl Geometry {
         found
     }
 
-    /// Calls `test` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others. `test`
-    /// returns the new `t_max`; minus infinity ends the query.
+    /// Calls `test` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others.
+    /// `test` returns the new `t_max`; minus infinity ends the query.
     fn for_each_object<S: Simd>(
         &self,
         simd: S,

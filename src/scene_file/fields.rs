@@ -65,8 +65,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns the next token, or an error that says what was expected instead of the end of the file. `expected` is
-    /// called
-    /// only for the error, because formatting a text for every token would take longer than parsing.
+    /// called only for the error, because formatting a text for every token would take longer than parsing.
     pub fn next(&mut self, expected: impl FnOnce(&Self) -> String) -> Result<Token<'a>, Error> {
         self.lexer.next().ok_or_else(|| {
             let end = self.lexer.end();
@@ -94,8 +93,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Reads a finite decimal number. Unlike the starter's `scanf`, it refuses `nan`, `inf` and hexadecimal numbers,
-    /// and
-    /// numbers too large for an `f64`.
+    /// and numbers too large for an `f64`.
     pub fn number(&mut self, key: &str) -> Result<f64, Error> {
         let token = self.word(key, "a number")?;
         let starts_like_a_number =

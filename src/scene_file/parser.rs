@@ -70,8 +70,7 @@ fn is_object(word: &str) -> bool {
 
 impl<'a> Parser<'a> {
     /// Parses `PerspectiveCamera { } Lights { } Background { } Materials { } Group { }`, in any order, each at most
-    /// once.
-    /// Camera and group are required.
+    /// once. Camera and group are required.
     fn file(&mut self) -> Result<Description, Error> {
         const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Lights", "Background", "Materials", "Group"];
         let (mut camera, mut lights, mut materials, mut root) = (None, Vec::new(), Vec::new(), None);

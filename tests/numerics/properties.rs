@@ -41,9 +41,9 @@ fn ray_to(target: [f64; 3], from: [f64; 3], distance: f64) -> Ray {
     Ray { origin, direction: (vector(target) - origin).normalized() }
 }
 
-/// Holds a surface point to its promise: it is off the surface by at most its gap, and points twice its gap off on either
-/// side are on that side by exact arithmetic, and no test from there meets the surface again on the way out. `height` is
-/// the exact height of a point over the surface (its sign is the side), to first order.
+/// Holds a surface point to its promise: it is off the surface by at most its gap, and points twice its gap off on
+/// either side are on that side by exact arithmetic, and no test from there meets the surface again on the way out.
+/// `height` is the exact height of a point over the surface (its sign is the side), to first order.
 fn keeps_its_promise(case: &str, studio: &Studio, surface: &SurfacePoint, height: impl Fn(&V) -> Q, convex: bool) {
     let gap = q(f64::from(surface.error_bound));
     let off = height(&v(surface.point)).abs();
@@ -138,8 +138,8 @@ proptest! {
         );
         let studio = Studio::new(&objects(&text), "");
         let transform = studio.scene.geometry.objects[0].transform.clone().unwrap();
-        // The surface is what the inverse matrix, as it is, takes to the unit sphere; height over it in world space is that in
-        // object space over what the matrix makes of the normal.
+        // The surface is what the inverse matrix, as it is, takes to the unit sphere; height over it in world space
+        // is that in object space over what the matrix makes of the normal.
         let columns = transform.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
         let image = |p: &V| -> V {
             [0, 1, 2].map(|i| &columns[0][i] * &p[0] + &columns[1][i] * &p[1] + &columns[2][i] * &p[2] + &columns[3][i])
@@ -234,8 +234,9 @@ fn a_permuted_scene_gives_the_same_picture() {
 
 #[test]
 fn a_moved_scene_gives_the_same_picture_but_for_its_rounding() {
-    // Moved by 2^12: points are rounded to 2^-41 instead of 2^-53, and so are colours, up to 1e-12 / 1e-2 where a highlight is
-    // steep: a byte in a million changes by one level; at an edge of a shadow or of an object a pixel may change sides.
+    // Moved by 2^12: points are rounded to 2^-41 instead of 2^-53, and so are colours, up to 1e-12 / 1e-2 where a
+    // highlight is steep: a byte in a million changes by one level; at an edge of a shadow or of an object a pixel
+    // may change sides.
     let scene = |shift: f64| {
         let text = format!(
             "{}Lights {{ numLights 1 DirectionalLight {{ direction -0.5 -1 -0.25 color 0.75 0.75 0.75 }} }}
