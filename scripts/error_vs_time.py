@@ -15,21 +15,15 @@ import tempfile
 from pathlib import Path
 
 sys.dont_write_bytecode = True
+import batch  # noqa: E402
 import error_vs_time_page  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = batch.PROJECT
 OUT = ROOT / "docs" / "error-vs-time"
 A2 = ROOT / "target" / "release" / "a2"
 SIZE = int(os.environ.get("SIZE", "100"))
-SCENES = {
-    "scene01": "scene01_plane.txt",
-    "scene02": "scene02_cube.txt",
-    "scene03": "scene03_sphere.txt",
-    "scene04": "scene04_axes.txt",
-    "scene05": "scene05_bunny_200.txt",
-    "scene06": "scene06_bunny_1k.txt -bounces 4",
-    "scene07": "scene07_arch.txt -bounces 4 -shadows",
-}
+# scene01: the words of its command line.
+SCENES = {scene.short_name: [f"{scene.name}.txt", *scene.flags] for scene in batch.read()}
 SAMPLERS = ("independent", "stratified", "sobol")
 TARGETS = (16, 8, 4, 2, 1, 0.5, 0.25)
 # Samples of the best point of a curve, and of the reference: sixteen times as many.
@@ -38,7 +32,7 @@ MOST = {"": 64, "-filter": 16}
 
 def a2(scene, flags, binary=A2, size=SIZE):
     """Runs a2 on a scene and returns what it says on standard error."""
-    name, *scene_flags = SCENES[scene].split()
+    name, *scene_flags = SCENES[scene]
     command = [binary, "-input", ROOT / "data" / name, "-size", size, size, *scene_flags, *map(str, flags)]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode:
@@ -195,7 +189,7 @@ def povray(folder):
         print("povray is not installed: its part is left out")
         return
     scene, size = "scene02", 3 * SIZE
-    translate = [sys.executable, ROOT / "benches" / "peers" / "translate.py", ROOT / "data" / SCENES[scene], folder]
+    translate = [sys.executable, ROOT / "benches" / "peers" / "translate.py", ROOT / "data" / SCENES[scene][0], folder]
     subprocess.run([*map(str, translate), "--size", str(size), str(size), "--to", "povray"], check=True)
     source = next(folder.glob("*.pov"))
 

@@ -22,7 +22,7 @@ DATA=$root/data "$project/scripts/render_all.sh" "$work" >"$work/log"
 echo "| picture | pixels that differ | by more than 1 level | by more than 8 | worst | RMSE |"
 echo "|---|---|---|---|---|---|"
 failed=0
-for number in 01 02 03 04 05 06 07; do
+for number in $(awk '$1 ~ /^[0-9]/ { print $1 }' "$project/data/batch.txt"); do
     for kind in "" n d; do
         name=a$number$kind.png
         # shellcheck disable=SC2086 # two words

@@ -61,13 +61,10 @@ awk -F'\t' '
 fill cases < "$work/cases.md"
 
 # --- single against double precision over the seven scenes ---
+# The flags of a scene of the course's batch.
 flags() {
-    case $1 in
-    *01* | *02* | *03* | *04*) echo "-depth 8 18" ;;
-    *05*) echo "-depth 0.8 1.0" ;;
-    *06*) echo "-bounces 4 -depth 8 18" ;;
-    *07*) echo "-bounces 4 -shadows -depth 8 18" ;;
-    esac
+    awk -v scene="$(basename "$1" .txt)" '
+        $2 == scene { near = $3; far = $4; $1 = $2 = $3 = $4 = ""; print $0, "-depth", near, far }' data/batch.txt
 }
 render() { # binary scene name
     # The depth picture comes last, so that its name completes the flags.

@@ -20,16 +20,10 @@ import tempfile
 import time
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parent.parent
-BATCH = [
-    ("01", "scene01_plane", "five spheres and a plane", ["8", "18"], []),
-    ("02", "scene02_cube", "a cube", ["8", "18"], []),
-    ("03", "scene03_sphere", "a squashed sphere", ["8", "18"], []),
-    ("04", "scene04_axes", "nested transforms", ["8", "18"], []),
-    ("05", "scene05_bunny_200", "a bunny of 200 triangles", ["0.8", "1.0"], []),
-    ("06", "scene06_bunny_1k", "a mirror bunny of 1,000, cube map", ["8", "18"], ["-bounces", "4"]),
-    ("07", "scene07_arch", "an arch on a mirror, shadows", ["8", "18"], ["-bounces", "4", "-shadows"]),
-]
+sys.dont_write_bytecode = True
+import batch  # noqa: E402
+
+PROJECT = batch.PROJECT
 BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 
 
@@ -43,11 +37,11 @@ def differing(a2, picture, reference):
 
 def measure(a2, starter, work, runs):
     """A row of the table for each scene."""
-    for number, scene, what, depth, flags in BATCH:
-        names = [f"a{number}{kind}.png" for kind in ("", "n", "d")]
+    for scene in batch.read():
+        names = scene.pictures
         color, normals, depths = (str(work / name) for name in names)
-        command = [a2, "-input", str(starter / "data" / f"{scene}.txt"), "-size", "800", "800", "-output", color]
-        command += ["-normals", normals, "-depth", *depth, depths, *flags]
+        command = [a2, "-input", str(starter / "data" / f"{scene.name}.txt"), "-size", "800", "800", "-output", color]
+        command += ["-normals", normals, "-depth", *scene.depth, depths, *scene.flags]
         seconds = []
         for _ in range(runs):
             start = time.perf_counter()
@@ -56,7 +50,7 @@ def measure(a2, starter, work, runs):
         off = [differing(a2, str(work / name), str(starter / "sample_out" / name)) for name in names]
         percent, far = max(value[0] for value in off), max(value[1] for value in off)
         milliseconds = 1000 * statistics.median(seconds)
-        yield f"| {number} | {what} | {percent:.3f}% | {far} | {milliseconds:.0f} ms |"
+        yield f"| {scene.number} | {scene.shows} | {percent:.3f}% | {far} | {milliseconds:.0f} ms |"
 
 
 def ratios():

@@ -1,15 +1,16 @@
 //! A command-line ray tracer: a text scene in; PNG pictures of colour, depth and normals out.
 //!
-//! The modules in the order in which data flows through them. Begin reading with [`trace`].
+//! The modules in the order in which data flows through them:
 //!
-//! 1. [`args`]: a command line becomes [`options`];
-//! 2. [`scene_file`]: the text of a scene becomes a description;
-//! 3. [`plan`]: which parts of the scene the wanted pictures need;
-//! 4. [`scene`]: the compiled scene, made of [`objects`], [`camera`], [`light`], [`material`] and [`cube_map`], with the
-//!    trees of [`bvh`];
-//! 5. [`trace`]: what one ray sees; [`wide`] does the same for 64 rays at a time, with [`simd`];
-//! 6. [`render`](mod@render): which rays make a pixel;
-//! 7. [`film`]: bytes and files.
+//! 1. [`args`]: the command line becomes [`options`];
+//! 2. [`scene_file`]: the text of a scene, as written;
+//! 3. [`plan`]: what the wanted pictures need of the scene;
+//! 4. [`objects`], [`camera`], [`light`], [`material`], [`cube_map`]: what a scene is made of, one ray at a time;
+//! 5. [`scene`]: what rays meet, with the trees of [`bvh`];
+//! 6. [`mod@trace`]: what one ray sees, which is the definition of the picture. **Begin reading there.**
+//! 7. [`wide`]: the same, 64 rays at a time, in the lanes of [`simd`];
+//! 8. [`render`]: which rays, and what becomes of what they see;
+//! 9. [`film`]: bytes and files.
 //!
 //! [`measure`] computes errors and costs of pictures.
 #![forbid(unsafe_code)]
@@ -131,7 +132,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         compiled
     });
     let Compiled { scene, warnings, build } = compiled?;
-    let (rendered, rendering) = timed(|| render(&scene, &plan, options, deadline, reference.as_ref()));
+    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();
     Ok(Report {
@@ -154,7 +155,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
 }
 
 /// Renders the picture. With `-convergence` it also returns the table of all pictures.
-fn render(
+fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,

@@ -14,16 +14,11 @@ from pathlib import Path
 from translate import translate
 
 ROOT = Path(__file__).resolve().parents[2]
-# Scene prefix: the options of the course's batch, and the range of its depth picture.
-COURSE = {
-    "scene01": ([], (8, 18)),
-    "scene02": ([], (8, 18)),
-    "scene03": ([], (8, 18)),
-    "scene04": ([], (8, 18)),
-    "scene05": ([], (0.8, 1.0)),
-    "scene06": (["-bounces", "4"], (8, 18)),
-    "scene07": (["-bounces", "4", "-shadows"], (8, 18)),
-}
+sys.path.append(str(ROOT / "scripts"))
+import batch  # noqa: E402
+
+# scene01: its line of the course's batch.
+COURSE = {scene.short_name: scene for scene in batch.read()}
 
 TRIANGLES = {"64k": "64,000", "1m": "1,024,000"}
 
@@ -106,21 +101,21 @@ class Planner:
         cube_map = lambda m: f"cubeMap {os.path.relpath(original.parent / m[1], self.work)}"
         scene = self.work / f"big_{mesh_name}.txt"
         scene.write_text(re.sub(r"cubeMap\s+(\S+)", cube_map, text))
-        return self.one_picture(job_name, scene, COURSE["scene06"][0])
+        return self.one_picture(job_name, scene, COURSE["scene06"].flags)
 
     def batch(self, job_name):
         job = Job(job_name)
         for label, binary in self.ours.items():
             job.programs[label] = []
-            for i, (prefix, (options, depth)) in enumerate(COURSE.items(), 1):
-                out = [self.picture(job, f"{label.replace('/', '_')}_a0{i}{kind}.png") for kind in ("", "n", "d")]
-                planes = ["-normals", out[1], "-depth", str(depth[0]), str(depth[1]), out[2]]
-                job.programs[label].append(self.a2(binary, self.scene(prefix), out[0], [*options, *planes]))
+            for prefix, scene in COURSE.items():
+                out = [self.picture(job, f"{label.replace('/', '_')}_{name}") for name in scene.pictures]
+                planes = ["-normals", out[1], "-depth", *scene.depth, out[2]]
+                job.programs[label].append(self.a2(binary, self.scene(prefix), out[0], [*scene.flags, *planes]))
         return job
 
     def two_threads(self, job_name):
         job = Job(job_name, is_long=True)
-        scene, options = self.scene("scene06"), [*COURSE["scene06"][0], "-jitter", "-filter"]
+        scene, options = self.scene("scene06"), [*COURSE["scene06"].flags, "-jitter", "-filter"]
         for label, binary in self.ours.items():
             for threads, name in ((2, label), (1, f"{label}, 1 thread")):
                 output = self.picture(job, f"{label.replace('/', '_')}_threads{threads}.png")
@@ -133,7 +128,7 @@ class Planner:
         for samples in (1, 144):
             for p in ("scene01", "scene06", "scene07") if samples == 1 else ("scene06", "scene07"):
                 name = p if samples == 1 else f"{p}, 144 rays a pixel"
-                plans.append((name, lambda n=name, p=p, s=samples: self.one_picture(n, self.scene(p), COURSE[p][0], s)))
+                plans.append((name, lambda n=name, p=p, s=samples: self.one_picture(n, self.scene(p), COURSE[p].flags, s)))
         name = f"scene06, {TRIANGLES[big]} triangles"
         plans.append((name, lambda n=name: self.big_mesh(n, big)))
         plans.append(("the 21 pictures", lambda: self.batch("the 21 pictures")))

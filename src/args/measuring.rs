@@ -1,6 +1,6 @@
 //! Parses the flags about samples, errors and cost.
 
-use super::typed::{Typed, must_be_png, usage_error};
+use super::typed::{Typed, must_be_png, must_be_supported, usage_error};
 use crate::error::Error;
 use crate::options::{MAX_SAMPLES, MeasureOptions, SamplerKind, has_extension};
 use std::path::PathBuf;
@@ -71,7 +71,7 @@ fn with_extension(typed: &Typed, flag: &str, extensions: &[&str]) -> Result<Opti
         return Ok(None);
     };
     if extensions.iter().any(|extension| has_extension(&path, extension)) {
-        return Ok(Some(path));
+        return must_be_supported(flag, path).map(Some);
     }
     let message =
         format!("expected a file name that ends in .{}, found '{}'", extensions.join(", ."), path.display());

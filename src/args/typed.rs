@@ -197,7 +197,16 @@ pub(super) fn must_be_png(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
 /// Checks the name of the colour picture, which may also hold numbers instead of bytes.
 pub(super) fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
     if ["pfm", "exr"].iter().any(|extension| has_extension(&path, extension)) {
-        return Ok(path);
+        return must_be_supported("output", path);
     }
     must_be_png("output", path)
+}
+
+/// Refuses EXR pictures where the program is built without the feature `exr`.
+pub(super) fn must_be_supported(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
+    if cfg!(feature = "exr") || !has_extension(&path, "exr") {
+        return Ok(path);
+    }
+    let message = format!("this build has no EXR support: give a .pfm instead of '{}'", path.display());
+    Err(usage_error(flag, message))
 }

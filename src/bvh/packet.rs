@@ -21,7 +21,7 @@ const STACK: usize = 96;
 /// A box that is pending: its node and place there, the rays that have met the node, and how far along it is.
 type Pending = (u32, u32, u64, f32);
 
-/// What a packet's traversal of a tree needs room for. Each thread keeps it for its next packet.
+/// Scratch of packet and stream traversals. A thread keeps it for its next packet.
 pub struct TraversalScratch {
     pub packet: CullingPacket,
     pending: [Pending; STACK],

@@ -90,19 +90,25 @@ pub fn traverse_from<S: Simd>(
                     }
                 }
             }
-            loop {
-                if height == 0 {
-                    return limit;
-                }
-                height -= 1;
-                let (near, child) = stack[height];
-                if near <= limit {
-                    current = child;
-                    break;
-                }
+            match pop(stack, &mut height, limit) {
+                Some(child) => current = child,
+                None => return limit,
             }
         }
     })
+}
+
+/// Pops boxes until one is within the limit.
+#[inline(always)]
+fn pop(stack: &Stack, height: &mut usize, limit: f32) -> Option<Child> {
+    while *height > 0 {
+        *height -= 1;
+        let (near, child) = stack[*height];
+        if near <= limit {
+            return Some(child);
+        }
+    }
+    None
 }
 
 /// Traverses the children of a node that are met, one by one: for want of room on the stack. `visit` is `dyn`, because

@@ -4,7 +4,7 @@ use crate::cube_map::{CubeMap, Place, Texels};
 use crate::simd::packet::{PACKET, Scalars, Vectors, lanes_in, span};
 use crate::simd::{Simd, vectorize};
 
-/// What look-ups need room for.
+/// Scratch of look-ups.
 pub struct CubeMapScratch {
     directions: Vectors,
     face: [u64; PACKET],

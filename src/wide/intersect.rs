@@ -12,17 +12,17 @@ use crate::simd::packet::{PACKET, RayPacket, Scalars, is_dense, lanes_in, span};
 use crate::simd::{Simd, vectorize};
 use vecmath::{Real, greater};
 
-/// What queries need room for. A tracer keeps one and lends it to every query. The boxes are made for the first query
-/// that needs them, because filling so much memory would take longer than a small scene.
+/// Scratch of queries. A tracer keeps one and lends it to every query. Each box is made by the first query that needs it,
+/// because filling all that memory takes longer than rendering a small scene.
 pub struct Scratch {
     bounds: PacketBounds,
     traversal: Option<Box<TraversalScratch>>,
-    /// For a query of any hit: how far the rays still go.
+    /// For queries of any hit: how far the rays still go.
     any: Option<Box<HitPacket>>,
     object: ObjectScratch,
 }
 
-/// What testing one object needs room for.
+/// Scratch of testing one object.
 struct ObjectScratch {
     /// The rays in object space.
     rays: Option<Box<RayPacket>>,
@@ -31,7 +31,7 @@ struct ObjectScratch {
     mesh: Option<Box<MeshScratch>>,
 }
 
-/// What testing one mesh needs room for.
+/// Scratch of testing one mesh.
 struct MeshScratch {
     hits: HitPacket,
     exact: TriangleHits,
@@ -61,8 +61,7 @@ impl Geometry {
         hits: &mut HitPacket,
     ) {
         hits.clear();
-        let Scratch { bounds, traversal, object, .. } = scratch;
-        self.query::<S, false>(simd, rays, active, bounds, traversal, object, hits);
+        self.query::<S, false>(simd, rays, active, scratch, hits);
     }
 
     /// Returns the active rays that hit anything at a t up to and including their `t_max`.
@@ -74,29 +73,28 @@ impl Geometry {
         scratch: &mut Scratch,
         t_max: &Scalars,
     ) -> u64 {
-        let Scratch { bounds, traversal, object, any } = scratch;
-        let any = any.get_or_insert_with(|| Box::new(HitPacket::NONE));
-        any.t = t_max.map(|t_max| t_max.min(BELOW_T_MAX));
-        self.query::<S, true>(simd, rays, active, bounds, traversal, object, any)
+        let mut hits = scratch.any.take().unwrap_or_else(|| Box::new(HitPacket::NONE));
+        hits.t = t_max.map(|t_max| t_max.min(BELOW_T_MAX));
+        let found = self.query::<S, true>(simd, rays, active, scratch, &mut hits);
+        scratch.any = Some(hits);
+        found
     }
 
-    #[expect(clippy::too_many_arguments)]
     fn query<S: Simd, const ANY: bool>(
         &self,
         simd: S,
         rays: &mut RayPacket,
         active: u64,
-        bounds: &mut PacketBounds,
-        traversal: &mut Option<Box<TraversalScratch>>,
-        scratch: &mut ObjectScratch,
+        scratch: &mut Scratch,
         hits: &mut HitPacket,
     ) -> u64 {
         if active == 0 {
             return 0;
         }
+        let Scratch { bounds, traversal, object, .. } = scratch;
         rays.prepare(simd, active);
         bounds.fill(simd, rays, active);
-        let mut query = Query::<ANY> { geometry: self, rays, scratch, hits, found: 0 };
+        let mut query = Query::<ANY> { geometry: self, rays, scratch: object, hits, found: 0 };
         for &index in &self.object_tree.always {
             let object = &self.objects[index as usize];
             let mut open = active & !query.found;
@@ -197,14 +195,14 @@ impl<const ANY: bool> Query<'_, ANY> {
         index: u32,
         mask: u64,
     ) {
-        let ObjectScratch { rays: room, t, .. } = &mut *self.scratch;
+        let ObjectScratch { rays: own_rays, t, .. } = &mut *self.scratch;
         let transform = self.geometry.objects[index as usize].transform.as_deref();
         let rays = match transform {
             None => self.rays,
             Some(transform) => {
-                let room = room.get_or_insert_with(|| Box::new(RayPacket::NONE));
-                to_object_space(simd, transform, self.rays, mask, room);
-                room
+                let rays = own_rays.get_or_insert_with(|| Box::new(RayPacket::NONE));
+                to_object_space(simd, transform, self.rays, mask, rays);
+                rays
             }
         };
         intersect_surface(simd, surface, rays, mask, t);
@@ -223,7 +221,7 @@ impl<const ANY: bool> Query<'_, ANY> {
     }
 
     fn test_mesh<S: Simd>(&mut self, simd: S, mesh: u32, index: u32, mask: u64) {
-        let ObjectScratch { rays: room, mesh: scratch, .. } = &mut *self.scratch;
+        let ObjectScratch { rays: own_rays, mesh: scratch, .. } = &mut *self.scratch;
         let scratch = scratch.get_or_insert_with(|| Box::new(MeshScratch::EMPTY));
         let MeshScratch { hits: mesh_hits, exact, traversal } = &mut **scratch;
         if ANY {
@@ -235,10 +233,10 @@ impl<const ANY: bool> Query<'_, ANY> {
         let rays = match &object.transform {
             None => self.rays,
             Some(transform) => {
-                let room = room.get_or_insert_with(|| Box::new(RayPacket::NONE));
-                to_object_space(simd, transform, self.rays, mask, room);
-                room.prepare(simd, mask);
-                room
+                let rays = own_rays.get_or_insert_with(|| Box::new(RayPacket::NONE));
+                to_object_space(simd, transform, self.rays, mask, rays);
+                rays.prepare(simd, mask);
+                rays
             }
         };
         let (mesh, tree) = self.geometry.mesh_and_tree(mesh);

@@ -9,7 +9,7 @@ use vecmath::Vector3;
 /// So few lanes are computed one by one.
 const FEW: u32 = 3;
 
-/// What computing normals needs room for.
+/// Scratch of computing normals.
 pub struct NormalScratch {
     found: Vectors,
     /// Normals of the corners of the triangles that are hit.

@@ -35,15 +35,15 @@ pub struct PacketTracer<'a, S> {
     pub counts: RayCounts,
     /// A packet of camera rays; none while it is in use.
     camera_rays: Option<Box<(RayPacket, PathPacket)>>,
-    room: Box<Room>,
+    scratch: Box<PacketScratch>,
     /// Mirror rays that are followed next.
     mirror_rays: MirrorQueue,
-    /// Room for the generation that is being followed.
+    /// Scratch: the generation that is being followed.
     spare: MirrorQueue,
 }
 
 /// What is known of a packet. It is kept for the next one, because clearing it would cost as much as tracing.
-struct Room {
+struct PacketScratch {
     hits: HitPacket,
     surfaces: SurfacePacket,
     /// With [`Epsilon::Auto`], where rays leave each surface, in the order of the lanes that are hit.
@@ -53,12 +53,12 @@ struct Room {
     /// How far each shadow ray goes.
     shadow_t_max: Scalars,
     background: Vectors,
-    scratch: Scratch,
+    queries: Scratch,
     normals: NormalScratch,
     cube_map: CubeMapScratch,
 }
 
-impl Default for Room {
+impl Default for PacketScratch {
     fn default() -> Self {
         Self {
             hits: HitPacket::NONE,
@@ -68,7 +68,7 @@ impl Default for Room {
             shadow_rays: RayPacket::NONE,
             shadow_t_max: [0.0; PACKET],
             background: Vectors::ZERO,
-            scratch: Scratch::default(),
+            queries: Scratch::default(),
             normals: NormalScratch::EMPTY,
             cube_map: CubeMapScratch::EMPTY,
         }
@@ -88,7 +88,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             epsilon,
             counts: RayCounts::default(),
             camera_rays: None,
-            room: Box::default(),
+            scratch: Box::default(),
             mirror_rays: MirrorQueue::default(),
             spare: MirrorQueue::default(),
         }
@@ -137,8 +137,8 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
     /// Finds what the active rays hit, and normals and materials there. Returns the lanes that hit anything.
     fn find_hits(&mut self, rays: &mut RayPacket, active: u64) -> u64 {
         let (simd, scene) = (self.simd, self.scene);
-        let Room { hits, surfaces, scratch, normals: normal_scratch, .. } = &mut *self.room;
-        scene.geometry.closest_hits(simd, rays, active, scratch, hits);
+        let PacketScratch { hits, surfaces, queries, normals: normal_scratch, .. } = &mut *self.scratch;
+        scene.geometry.closest_hits(simd, rays, active, queries, hits);
         let hit = active & !hits.lanes_of(simd, active, HitPacket::NOTHING);
         let mut rest = if self.plan.color || self.plan.normals { hit } else { 0 };
         while rest != 0 {
@@ -167,7 +167,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
 
     /// Appends what pictures of depths and normals show of the active camera rays.
     fn record(&self, active: u64, hit: u64, seen: &mut Vec<Seen>) {
-        let Room { hits, surfaces, .. } = &*self.room;
+        let PacketScratch { hits, surfaces, .. } = &*self.scratch;
         for lane in lanes_in(active) {
             let mut first = Seen::default();
             if has_lane(hit, lane) {
@@ -197,7 +197,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         }
         self.arrive(rays, hit);
         self.add_lights(hit);
-        let Room { surfaces, beside, .. } = &*self.room;
+        let PacketScratch { surfaces, beside, .. } = &*self.scratch;
         let PathPacket { color, throughput, camera_ray } = paths;
         surfaces.add_to_paths(self.simd, self.scene.ambient_light, hit, throughput, color);
         let mut beside = beside.iter();
@@ -225,7 +225,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             return;
         }
         let background = &self.scene.background;
-        let Room { background: colors, cube_map: scratch, .. } = &mut *self.room;
+        let PacketScratch { background: colors, cube_map: scratch, .. } = &mut *self.scratch;
         if let Some(cube_map) = &background.cube_map {
             cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch, colors);
         }
@@ -238,7 +238,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
 
     /// Finds the points that the rays of a mask have hit, and the mirrored directions.
     fn arrive(&mut self, rays: &RayPacket, hit: u64) {
-        let Room { hits, surfaces, beside, .. } = &mut *self.room;
+        let PacketScratch { hits, surfaces, beside, .. } = &mut *self.scratch;
         beside.clear();
         if self.plan.epsilon == Epsilon::Auto {
             for lane in lanes_in(hit) {
@@ -256,7 +256,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
     /// Adds to the points of a mask what they reflect of each light that is not blocked.
     fn add_lights(&mut self, mask: u64) {
         for light in &self.scene.lights {
-            let Room { surfaces, light: seen, .. } = &mut *self.room;
+            let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
             let mut lit = seen.illuminate(self.simd, light, surfaces, mask);
             if self.plan.shadows {
                 // No shadow ray where the light contributes exactly zero.
@@ -264,7 +264,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
                 self.counts.shadow += u64::from(lit.count_ones());
                 lit &= !self.blocked(light, mask, lit);
             }
-            let Room { surfaces, light: seen, .. } = &mut *self.room;
+            let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
             surfaces.add(self.simd, seen, lit);
         }
     }
@@ -274,7 +274,8 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         if lit == 0 {
             return 0;
         }
-        let Room { surfaces, beside, light: seen, shadow_rays, shadow_t_max, scratch, .. } = &mut *self.room;
+        let PacketScratch { surfaces, beside, light: seen, shadow_rays, shadow_t_max, queries, .. } =
+            &mut *self.scratch;
         let (epsilon, is_robust) = (self.epsilon, self.plan.robust);
         if self.plan.epsilon != Epsilon::Auto {
             seen.shadow_rays(self.simd, surfaces, lit, epsilon, is_robust, shadow_rays, shadow_t_max);
@@ -285,6 +286,6 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             shadow_rays.set(lane, ray);
             shadow_t_max[lane] = t_max;
         }
-        self.scene.geometry.any_hits(self.simd, shadow_rays, lit, scratch, shadow_t_max)
+        self.scene.geometry.any_hits(self.simd, shadow_rays, lit, queries, shadow_t_max)
     }
 }

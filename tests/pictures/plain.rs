@@ -1,23 +1,13 @@
 //! The rule that holds the wide renderer: with `-plain`, which follows one ray at a time by the definition in
 //! `src/trace.rs`, every picture is the same to the bit, before anything is rounded to bytes.
 
-use crate::support::{Folder, project};
+use crate::support::{Folder, batch, project};
 use a2::args::{Request, parse};
 use a2::film::Film;
 use a2::options::Options;
 use a2::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::Path;
-
-const SCENES: [&str; 7] = [
-    "scene01_plane.txt",
-    "scene02_cube.txt",
-    "scene03_sphere.txt",
-    "scene04_axes.txt",
-    "scene05_bunny_200.txt",
-    "scene06_bunny_1k.txt",
-    "scene07_arch.txt",
-];
 
 /// Every flag that changes what rays do or how they are sampled.
 const FLAGS: [&str; 14] = [
@@ -73,9 +63,9 @@ fn check(scene: &Path, flags: &str) {
 
 #[test]
 fn plain_and_wide_pictures_are_the_same_to_the_bit() {
-    for scene in SCENES {
+    for scene in batch::scenes() {
         for flags in FLAGS {
-            check(&project("data").join(scene), flags);
+            check(&project("data").join(format!("{}.txt", scene.name)), flags);
         }
     }
 }

@@ -1,30 +1,44 @@
 //! What random samples promise: right in the mean, with any sampler and any number of them, and honest about their
 //! error.
 //!
-//! `cargo test --release --test pictures -- --ignored --nocapture` runs the long form of the test of honesty and
+//! `cargo test --release --test pictures -- --ignored --nocapture honest` runs the long form of the test of honesty and
 //! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
 
+use crate::support::batch::{self, Scene};
+use crate::support::{picture, project};
 use a2::args::Request;
 use a2::measure::Report;
 use a2::options::Options;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-const SCENES: [&str; 7] = [
-    "scene01_plane.txt",
-    "scene02_cube.txt",
-    "scene03_sphere.txt",
-    "scene04_axes.txt",
-    "scene05_bunny_200.txt",
-    "scene06_bunny_1k.txt -bounces 4",
-    "scene07_arch.txt -bounces 4 -shadows",
-];
+/// The scenes of the course's batch with their flags, as words of a command line.
+static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| batch::scenes().iter().map(Scene::arguments).collect());
 const SAMPLERS: [&str; 3] = ["independent", "stratified", "sobol"];
 
+/// A copy of `data/` whose cube map has 64 x 64 texels a face. Small pictures are rendered by the thousand here, and
+/// decoding the large faces would take most of the time.
+static DATA: LazyLock<PathBuf> = LazyLock::new(|| {
+    let (from, to) = (project("data"), Path::new(env!("CARGO_TARGET_TMPDIR")).join("statistics"));
+    for folder in ["", "models", "tex/courtyard"] {
+        std::fs::create_dir_all(to.join(folder)).unwrap();
+        for entry in std::fs::read_dir(from.join(folder)).unwrap().map(|entry| entry.unwrap().path()) {
+            let copy = to.join(folder).join(entry.file_name().unwrap());
+            if folder.starts_with("tex") {
+                image::imageops::thumbnail(&picture(&entry), 64, 64).save(copy).unwrap();
+            } else if entry.is_file() {
+                std::fs::copy(entry, copy).unwrap();
+            }
+        }
+    }
+    to
+});
+
 fn arguments(scene: &str, flags: &str) -> Options {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let data = &*DATA;
     let line = format!("-input {}/{scene} -output unused.png -quiet {flags}", data.display());
     match a2::args::parse(line.split(' ').filter(|word| !word.is_empty()).map(OsString::from)) {
         Ok(Request::Render(mut args)) => {
@@ -112,7 +126,7 @@ const SMALL: &str = "-size 16 16";
 
 #[test]
 fn every_sampler_is_right_in_the_mean_with_any_number_of_samples() {
-    for scene in [SCENES[3], SCENES[6]] {
+    for scene in [&SCENES[3], &SCENES[6]] {
         let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
         for sampler in SAMPLERS {
             for samples in [1, 7, 16] {
@@ -126,7 +140,7 @@ fn every_sampler_is_right_in_the_mean_with_any_number_of_samples() {
 
 #[test]
 fn halves_for_an_estimate_are_right_in_the_mean() {
-    let scene = SCENES[1];
+    let scene = &SCENES[1];
     let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
     for sampler in ["stratified", "sobol"] {
         for samples in [3, 16] {
@@ -138,7 +152,7 @@ fn halves_for_an_estimate_are_right_in_the_mean() {
 
 #[test]
 fn samples_that_go_where_they_are_needed_are_right_in_the_mean() {
-    for (scene, filter) in [(SCENES[1], ""), (SCENES[6], ""), (SCENES[3], "-filter")] {
+    for (scene, filter) in [(&SCENES[1], ""), (&SCENES[6], ""), (&SCENES[3], "-filter")] {
         let truth = format!("{SMALL} -sampler independent -samples 64 {filter}");
         let truth = many(&arguments(scene, &truth), 1000..1060);
         for sampler in ["", "-sampler independent", "-sampler stratified"] {
@@ -152,7 +166,7 @@ fn samples_that_go_where_they_are_needed_are_right_in_the_mean() {
 /// A test of means that sees nothing would pass all of the above.
 #[test]
 fn a_shift_of_the_samples_would_be_seen() {
-    let scene = SCENES[3];
+    let scene = &SCENES[3];
     let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1060);
     // The same pictures of a grid one sixteenth larger.
     let shifted = many(&arguments(scene, "-size 17 17 -samples 16"), 0..60);
@@ -165,7 +179,7 @@ fn a_shift_of_the_samples_would_be_seen() {
 #[test]
 fn even_samples_are_better_than_independent_ones() {
     // Sobol with 8 samples is at least as good as 16 independent ones in every scene, for all of them have edges.
-    for scene in SCENES {
+    for scene in SCENES.iter() {
         let size = "-size 32 32";
         let truth = colors(&arguments(scene, &format!("{size} -sampler sobol -samples 512 -seed 99")));
         let error = |sampler: &str, samples: u32| {
@@ -222,7 +236,7 @@ fn honesty_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> V
     let mut totals = vec![Honesty::default(); kinds.len()];
     println!("| scene | samples | true RMSE within 95% interval, linear | levels | estimated MSE / true MSE |");
     println!("|---|---|---|---|---|");
-    for scene in SCENES {
+    for scene in SCENES.iter() {
         let size = format!("-size {size} {size}");
         let truth = format!("{size} -sampler sobol -samples {truth_samples} -seed 987654321");
         let truth = colors(&arguments(scene, &truth));
@@ -261,7 +275,7 @@ fn the_stated_error_is_honest() {
 #[test]
 fn the_stated_interval_is_narrow() {
     let estimate =
-        rendered(&arguments(SCENES[3], "-size 64 64 -stats -samples 16")).frame.estimate.unwrap().levels;
+        rendered(&arguments(&SCENES[3], "-size 64 64 -stats -samples 16")).frame.estimate.unwrap().levels;
     assert!(estimate.low > 0.75 * estimate.rmse && estimate.high < 1.25 * estimate.rmse, "{estimate:?}");
 }
 
@@ -277,7 +291,7 @@ fn the_stated_error_is_honest_in_every_scene() {
 
 #[test]
 fn a_target_error_is_reached_and_flat_pixels_stop_early() {
-    for scene in SCENES {
+    for scene in SCENES.iter() {
         let args = arguments(scene, "-size 32 32 -target-error 2");
         let run = rendered(&args);
         assert!(run.frame.estimate.unwrap().levels.rmse <= 2.0, "{scene}");
@@ -295,7 +309,7 @@ fn a_target_error_is_reached_and_flat_pixels_stop_early() {
 
 #[test]
 fn adaptive_pictures_are_the_same_at_every_thread_count() {
-    let args = arguments(SCENES[6], "-size 40 40 -target-error 2 -filter -normals n.png -depth 8 18 d.png");
+    let args = arguments(&SCENES[6], "-size 40 40 -target-error 2 -filter -normals n.png -depth 8 18 d.png");
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let film = pool.install(|| rendered(&args)).frame.film;
@@ -307,7 +321,7 @@ fn adaptive_pictures_are_the_same_at_every_thread_count() {
 #[test]
 fn a_time_limit_leaves_a_whole_picture() {
     let folder = tempfile::tempdir().unwrap();
-    for scene in SCENES {
+    for scene in SCENES.iter() {
         let limited = arguments(scene, "-size 400 400");
         let plain = rendered(&limited).frame.film.color.unwrap();
         let picture = folder.path().join("o.png");

@@ -1,6 +1,7 @@
 //! What several test files need: a fresh folder, the real binary, pictures.
 #![allow(dead_code)]
 
+pub mod batch;
 // Written for `f64`, as the program is.
 #[cfg(not(feature = "f32"))]
 pub mod reference;

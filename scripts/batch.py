@@ -1,0 +1,40 @@
+"""Reads data/batch.txt, the course's batch."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parent.parent
+
+
+@dataclass
+class Scene:
+    number: str
+    name: str
+    # Nearest and farthest distance of the depth picture, as written.
+    depth: list
+    # Further flags of a2.
+    flags: list
+    # What the scene shows, in words.
+    shows: str
+
+    @property
+    def pictures(self):
+        """File names of the colour, normal and depth picture."""
+        return [f"a{self.number}{kind}.png" for kind in ("", "n", "d")]
+
+    @property
+    def short_name(self):
+        """scene01 of scene01_plane."""
+        return self.name.partition("_")[0]
+
+
+def read():
+    """The scenes of the batch in order."""
+    scenes, comment = [], ""
+    for line in (PROJECT / "data" / "batch.txt").read_text().splitlines():
+        if line.startswith("#"):
+            comment = line.removeprefix("#").strip()
+        elif line.strip():
+            number, name, near, far, *flags = line.split()
+            scenes.append(Scene(number, name, [near, far], flags, comment))
+    return scenes
