@@ -235,22 +235,23 @@ def ppm_levels(data):
     return [255.0 * value / most for value in rest]
 
 
-def honesty(_):
+def coverage(_):
     """The long test of the estimate, 100 seeds of every scene with every sampler: its table."""
-    command = ["cargo", "test", "--release", "--quiet", "--test", "statistics", "--", "--ignored", "--nocapture"]
+    command = ["cargo", "test", "--release", "--quiet", "--test", "pictures", "--",
+               "--ignored", "--nocapture", "estimated_interval"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     lines = [line for line in done.stdout.splitlines() if line.startswith(("|", "-stats"))]
     if done.returncode or not lines:
-        print(f"the test of honesty has failed:\n{done.stdout}{done.stderr}")
+        print(f"the test of the estimate has failed:\n{done.stdout}{done.stderr}")
     table = [line for line in lines if line.startswith("|")]
     totals = [f"- {line}" for line in lines if line.startswith("-stats")]
-    (OUT / "honesty.md").write_text("\n".join([*table, "", "All scenes together, shares of runs:", "", *totals]) + "\n")
+    (OUT / "coverage.md").write_text("\n".join([*table, "", "All scenes together, shares of runs:", "", *totals]) + "\n")
 
 
 def main():
-    parts = os.environ.get("PARTS", "curves samples honesty bounces f32 povray page").split()
+    parts = os.environ.get("PARTS", "curves samples coverage bounces f32 povray page").split()
     with tempfile.TemporaryDirectory() as folder:
-        for name, part in (("curves", curves), ("samples", samples), ("honesty", honesty), ("bounces", bounces),
+        for name, part in (("curves", curves), ("samples", samples), ("coverage", coverage), ("bounces", bounces),
                            ("f32", f32), ("povray", povray)):
             if name in parts:
                 part(Path(folder))

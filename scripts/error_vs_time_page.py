@@ -19,7 +19,7 @@ FITTED_FROM = 4
 def write(root, size):
     page = Page(root, size)
     sections = [page.head(), page.curves("no"), page.curves("yes"), page.slopes(), page.equal(), page.halves(),
-                page.fifth(), page.honesty(), page.bounces(), page.f32(), page.povray()]
+                page.fifth(), page.coverage(), page.bounces(), page.f32(), page.povray()]
     (root / "docs" / "error-vs-time.md").write_text("\n".join(section for section in sections if section))
 
 
@@ -172,13 +172,13 @@ rays are enough for the same true error, so that the six spent beforehand are mo
 along each of its thin axes.
 """
 
-    def honesty(self):
-        path = self.folder / "honesty.md"
+    def coverage(self):
+        path = self.folder / "coverage.md"
         inside = [row for row in self.rows if row["low_95"] not in (None, "")]
         hits = mean(row["low_95"] <= row["true"] <= row["high_95"] for row in inside)
-        text = f"""## Is the estimate honest?
+        text = f"""## Is the estimate right?
 
-Of the {len(inside)} points above that come with an estimate, {hits:.0%} have their true error within the stated 95%
+Of the {len(inside)} points above that come with an estimate, {hits:.0%} have their true error within the estimated 95%
 interval (each scene's are measured against one reference, whose own error is in them).
 
 Over 100 seeds of every scene with every sampler, 16 samples a pixel, 50 x 50 pixels (an ignored test of
