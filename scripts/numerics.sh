@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures what docs/numerics.md shows, draws its pictures, and writes both into it: everything between the lines
-# `<!-- name -->` and `<!-- /name -->` is replaced, the rest is left as it is.
+# Measures the tables of docs/numerics.md, renders its pictures, and updates the page: everything between the lines
+# `<!-- name -->` and `<!-- /name -->` is replaced; the rest stays as it is.
 #
 #   scripts/numerics.sh           tables and pictures, a few minutes
 #   scripts/numerics.sh --soak    and 100,000,000 rays against a closed mesh
@@ -16,7 +16,7 @@ cargo build --release --features f32 --target-dir target/f32
 double=target/release/a2
 single=target/f32/release/a2
 
-# Puts standard input between the marks of this name.
+# Replaces the part of the page between the lines of this name by standard input.
 fill() {
     cat > "$work/part"
     awk -v name="$1" -v part="$work/part" '
