@@ -55,8 +55,9 @@ impl RayOffset {
         }
     }
 
-    /// Returns the ray to a light as `seen` from the point, and how far it goes. The distance is measured from the moved
-    /// origin, as in the starter: what stands up to one offset behind the light blocks it too, unless with `-robust`.
+    /// Returns the ray to a light as `seen` from the point, and how far it goes. As in the starter, the distance is
+    /// counted from the offset origin: an object up to one offset behind the light blocks it too, except with
+    /// `-robust`.
     pub fn shadow_ray(&self, light: &Light, seen: &Illumination, is_robust: bool) -> (Ray, Real) {
         match self {
             Self::Along { point, epsilon } => {

@@ -1,7 +1,7 @@
 //! Queries of one ray against the [`Geometry`]: the closest hit, or whether there is any.
 //!
-//! The answers are those of a loop over all objects and all triangles, to the last bit. Trees only skip what cannot be
-//! hit. Packets of rays are answered in [`wide`](crate::wide), by the same tests.
+//! The results are those of a loop over all objects and all triangles, to the last bit. Trees only skip what cannot
+//! be hit. [`wide`](crate::wide) has the queries of packets, by the same tests.
 
 use super::Geometry;
 use crate::bvh::{Bvh, DONE, Entry, TriangleBlock};
