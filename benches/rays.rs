@@ -1,13 +1,12 @@
-//! Rays a second in one mesh, and building times, in the form that `benches/peers/rays.py` reads.
+//! Measures rays a second in one mesh, and building times. `benches/peers/rays.py` reads the output.
 //!
 //! ```text
 //! rays MESH.obj --rays FILE [--threads N] [--repeats N] [--simd NAME] [--single]
 //! rays MESH.obj --build [--repeats N]
 //! ```
 //!
-//! The ray file is described in `benches/peers/README.md`. Queries are made of packets of
-//! 64, as the renderer does; with `--single` of one ray at a time. What is timed is the whole query, from rays as the file
-//! has them to hits in `f64`.
+//! `benches/peers/README.md` describes the ray file. Queries are for packets of 64 rays, as in the renderer, or for
+//! single rays with `--single`. The time is that of whole queries, from the rays of the file to hits in `f64`.
 #![forbid(unsafe_code)]
 
 use a2::objects::{Mesh, Object, Shape};
@@ -68,26 +67,26 @@ enum Query {
     Any,
 }
 
-/// A packet: origin, direction and largest t, as precise as the file has them.
+/// A packet of the file: origins, directions and largest t.
 struct Packet {
     numbers: [[f32; PACKET]; 7],
     active: u64,
 }
 
-/// What a thread has room for.
-struct Room {
+/// Scratch of a thread.
+struct Buffers {
     rays: RayPacket,
     t_max: Scalars,
     hits: HitPacket,
     scratch: Scratch,
 }
 
-impl Room {
+impl Buffers {
     fn new() -> Self {
         Self { rays: RayPacket::NONE, t_max: [0.0; PACKET], hits: HitPacket::NONE, scratch: Scratch::default() }
     }
 
-    /// Widens the rays of a packet.
+    /// Converts the rays of a packet to `f64`.
     fn read(&mut self, packet: &Packet) {
         let [origin, direction] = [&mut self.rays.origin.0, &mut self.rays.direction.0];
         let into = origin.iter_mut().chain(direction).chain([&mut self.t_max]);
@@ -101,20 +100,20 @@ impl Room {
 
 /// Counts the rays that hit something.
 fn count_hits<S: Simd>(simd: S, geometry: &Geometry, packets: &[Packet], query: Query, single: bool) -> usize {
-    // A thread keeps its room, as the renderer does.
-    let of_packet = |room: &mut Box<Room>, packet: &Packet| {
-        room.read(packet);
+    // Each thread keeps its scratch, as in the renderer.
+    let of_packet = |buffers: &mut Box<Buffers>, packet: &Packet| {
+        buffers.read(packet);
         match single {
-            true => count_singly(geometry, packet.active, query, room),
-            false => count_in_packet(simd, geometry, packet.active, query, room),
+            true => count_singly(geometry, packet.active, query, buffers),
+            false => count_in_packet(simd, geometry, packet.active, query, buffers),
         }
     };
-    packets.par_iter().with_min_len(64).map_init(|| Box::new(Room::new()), of_packet).sum()
+    packets.par_iter().with_min_len(64).map_init(|| Box::new(Buffers::new()), of_packet).sum()
 }
 
-fn count_singly(geometry: &Geometry, active: u64, query: Query, room: &Room) -> usize {
+fn count_singly(geometry: &Geometry, active: u64, query: Query, buffers: &Buffers) -> usize {
     let is_hit = |&lane: &usize| {
-        let (ray, t_max) = (room.rays.get(lane), room.t_max[lane]);
+        let (ray, t_max) = (buffers.rays.get(lane), buffers.t_max[lane]);
         match query {
             Query::Closest => geometry.closest_hit(&ray).is_some_and(|hit| hit.surface.t <= t_max),
             Query::Any => geometry.any_hit(&ray, t_max),
@@ -123,21 +122,27 @@ fn count_singly(geometry: &Geometry, active: u64, query: Query, room: &Room) -> 
     lanes_in(active).filter(is_hit).count()
 }
 
-fn count_in_packet<S: Simd>(simd: S, geometry: &Geometry, active: u64, query: Query, room: &mut Room) -> usize {
-    let Room { rays, t_max, hits, scratch } = room;
+fn count_in_packet<S: Simd>(
+    simd: S,
+    geometry: &Geometry,
+    active: u64,
+    query: Query,
+    buffers: &mut Buffers,
+) -> usize {
+    let Buffers { rays, t_max, hits, scratch } = buffers;
     match query {
         Query::Closest => {
             geometry.closest_hits(simd, rays, active, scratch, hits);
             let is_hit = |lane: usize| hits.object[lane] != HitPacket::NOTHING;
             let is_near = |lane: usize| hits.t[lane] <= t_max[lane];
-            // Lanes that are not active hit nothing.
+            // Inactive lanes hit nothing.
             (0..PACKET).map(|lane| usize::from(is_hit(lane) & is_near(lane))).sum()
         }
         Query::Any => geometry.any_hits(simd, rays, active, scratch, t_max).count_ones() as usize,
     }
 }
 
-/// Seconds of the fastest, the middle and the slowest of some runs.
+/// Returns the seconds of the fastest, the median and the slowest run.
 fn timed(repeats: usize, mut run: impl FnMut()) -> [f64; 3] {
     let mut seconds: Vec<f64> = (0..repeats.max(1))
         .map(|_| {

@@ -14,22 +14,22 @@ class Scene:
     depth: list
     # Further flags of a2.
     flags: list
-    # What the scene shows, in words.
+    # Description of the scene.
     shows: str
 
     @property
     def pictures(self):
-        """File names of the colour, normal and depth picture."""
+        """Returns the file names of the colour, normal and depth picture."""
         return [f"a{self.number}{kind}.png" for kind in ("", "n", "d")]
 
     @property
     def short_name(self):
-        """scene01 of scene01_plane."""
+        """Returns scene01 of scene01_plane."""
         return self.name.partition("_")[0]
 
 
 def read():
-    """The scenes of the batch in order."""
+    """Returns the scenes of the batch in order."""
     scenes, comment = [], ""
     for line in (PROJECT / "data" / "batch.txt").read_text().splitlines():
         if line.startswith("#"):

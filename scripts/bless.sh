@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Replaces the reference pictures in sample_out/ by what the program renders now, and says which ones changed.
+# Replaces the reference pictures in sample_out/ by newly rendered ones, and prints which ones changed.
 #
-# Only for a change that is meant to alter pictures: look at them, and say why in the commit and in CHANGELOG.md.
-# Exits with 1 whenever a picture changed, so that no script blesses by accident.
+# Only for a change that is meant to change pictures. Look at them, and give the reason in the commit and in
+# CHANGELOG.md.
+# Exits with 1 if a picture changed, so that no script accepts new pictures by accident.
 set -euo pipefail
 
 # shellcheck source=scripts/program.sh
@@ -14,7 +15,7 @@ changed=0
 mkdir -p "$project/sample_out"
 for picture in "$work"/*.png; do
     reference=$project/sample_out/$(basename "$picture")
-    # Pixels count: a better compression of the same picture is no change.
+    # Pixels are compared, so a better compression of the same picture is no change.
     if [ ! -e "$reference" ] || ! "$A2" -compare "$picture" "$reference" -tolerance 0 0 >/dev/null; then
         echo "changed: $(basename "$picture")"
         cp "$picture" "$reference"

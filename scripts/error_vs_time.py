@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error against run time: see error_vs_time.sh.
+"""Measures error against run time: see error_vs_time.sh.
 
 Raw numbers go to docs/error-vs-time/*.csv; the page and the curves are made from these files alone.
 """
@@ -26,12 +26,12 @@ SIZE = int(os.environ.get("SIZE", "100"))
 SCENES = {scene.short_name: [f"{scene.name}.txt", *scene.flags] for scene in batch.read()}
 SAMPLERS = ("independent", "stratified", "sobol")
 TARGETS = (16, 8, 4, 2, 1, 0.5, 0.25)
-# Samples of the best point of a curve, and of the reference: sixteen times as many.
+# Samples of the last point of a curve. The reference has sixteen times as many.
 MOST = {"": 64, "-filter": 16}
 
 
 def a2(scene, flags, binary=A2, size=SIZE):
-    """Runs a2 on a scene and returns what it says on standard error."""
+    """Runs a2 on a scene and returns its standard error output."""
     name, *scene_flags = SCENES[scene]
     command = [binary, "-input", ROOT / "data" / name, "-size", size, size, *scene_flags, *map(str, flags)]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
@@ -56,7 +56,7 @@ def write_csv(name, rows):
 
 
 def reference(scene, filtered, folder):
-    """A picture that counts as true, and its own estimated error in levels."""
+    """Renders the picture that counts as true; returns its path and its own estimated error in levels."""
     path = folder / f"{scene}{filtered}.pfm"
     if path.exists():
         return path, json.loads(path.with_suffix(".json").read_text())
@@ -67,7 +67,7 @@ def reference(scene, filtered, folder):
 
 
 def curves(folder):
-    """Error and cost of every sampler, and of adaptive sampling, in every scene, with and without -filter."""
+    """Measures error and cost of every sampler and of adaptive sampling, in every scene, with and without -filter."""
     rows = []
     for filtered, most in MOST.items():
         for scene in SCENES:
@@ -110,13 +110,13 @@ def curves(folder):
 
 
 def true_error(text):
-    """The RMSE in levels that a2 prints for a picture with a reference."""
+    """Returns the RMSE in levels that a2 prints for a picture with a reference."""
     line = next(line for line in text.splitlines() if line.startswith("true error"))
     return float(line.split("RMSE")[1].split()[0])
 
 
 def samples(folder):
-    """Pictures that are not halved for an estimate: equal numbers of samples, mean square over seeds."""
+    """Measures pictures in one set, not in two halves: equal numbers of samples, mean square over seeds."""
     rows = []
     for scene in SCENES:
         truth, _ = reference(scene, "", folder)
@@ -136,7 +136,7 @@ def samples(folder):
 
 
 def bounces(folder):
-    """Error of ending the mirrors' recursion early, without any sampling error: the same rays to a different depth."""
+    """Measures the error of fewer bounces. There is no sampling error, because the camera rays are the same."""
     rows = []
     for scene in ("scene06", "scene07"):
         truth = folder / "deep.pfm"
@@ -155,7 +155,7 @@ def bounces(folder):
 
 
 def f32(folder):
-    """The build that computes in f32 against the one that computes in f64: the same rays, no sampling error."""
+    """Compares the f32 build with the f64 build. There is no sampling error, because the camera rays are the same."""
     target = ROOT / "target" / "f32"
     subprocess.run(["cargo", "build", "--release", "--quiet", "--features", "f32", "--target-dir", target], cwd=ROOT,
                    check=True)
@@ -184,7 +184,7 @@ def f32(folder):
 
 
 def povray(folder):
-    """POV-Ray's antialiasing against a very fine picture of its own; its files hold 16 bits a channel."""
+    """Measures POV-Ray's antialiasing against a very fine picture of its own, in files of 16 bits a channel."""
     if not shutil.which("povray"):
         print("povray is not installed: its part is left out")
         return
@@ -220,7 +220,7 @@ def povray(folder):
 
 
 def ppm_levels(data):
-    """The values of a binary PPM, scaled to 0 .. 255."""
+    """Returns the values of a binary PPM, scaled to 0 .. 255."""
     words, rest = [], data
     while len(words) < 4:
         word, rest = rest.split(None, 1) if len(words) < 3 else (rest.split(None, 1)[0], rest)
@@ -235,22 +235,23 @@ def ppm_levels(data):
     return [255.0 * value / most for value in rest]
 
 
-def honesty(_):
-    """The long test of the estimate, 100 seeds of every scene with every sampler: its table."""
-    command = ["cargo", "test", "--release", "--quiet", "--test", "statistics", "--", "--ignored", "--nocapture"]
+def coverage(_):
+    """Runs the long test of the estimate (100 seeds of every scene with every sampler), and keeps its table."""
+    command = ["cargo", "test", "--release", "--quiet", "--test", "pictures", "--",
+               "--ignored", "--nocapture", "estimated_interval"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     lines = [line for line in done.stdout.splitlines() if line.startswith(("|", "-stats"))]
     if done.returncode or not lines:
-        print(f"the test of honesty has failed:\n{done.stdout}{done.stderr}")
+        print(f"the test of the estimate has failed:\n{done.stdout}{done.stderr}")
     table = [line for line in lines if line.startswith("|")]
     totals = [f"- {line}" for line in lines if line.startswith("-stats")]
-    (OUT / "honesty.md").write_text("\n".join([*table, "", "All scenes together, shares of runs:", "", *totals]) + "\n")
+    (OUT / "coverage.md").write_text("\n".join([*table, "", "All scenes together, shares of runs:", "", *totals]) + "\n")
 
 
 def main():
-    parts = os.environ.get("PARTS", "curves samples honesty bounces f32 povray page").split()
+    parts = os.environ.get("PARTS", "curves samples coverage bounces f32 povray page").split()
     with tempfile.TemporaryDirectory() as folder:
-        for name, part in (("curves", curves), ("samples", samples), ("honesty", honesty), ("bounces", bounces),
+        for name, part in (("curves", curves), ("samples", samples), ("coverage", coverage), ("bounces", bounces),
                            ("f32", f32), ("povray", povray)):
             if name in parts:
                 part(Path(folder))

@@ -1,4 +1,4 @@
-"""docs/error-vs-time.md and its curves, made from the raw numbers that error_vs_time.py has left."""
+"""Writes docs/error-vs-time.md and its curves from the raw numbers of error_vs_time.py."""
 
 import csv
 import math
@@ -12,14 +12,14 @@ from log_plot import write_svg
 METHODS = ("independent", "stratified", "sobol", "adaptive")
 # Two-sided 95% points of Student's t distribution, by degrees of freedom.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31)
-# The first points of a curve are mostly overhead: the start of threads, the cube map's decoding.
+# In the first points of a curve most of the time is overhead: starting threads, decoding the cube map.
 FITTED_FROM = 4
 
 
 def write(root, size):
     page = Page(root, size)
     sections = [page.head(), page.curves("no"), page.curves("yes"), page.slopes(), page.equal(), page.halves(),
-                page.fifth(), page.honesty(), page.bounces(), page.f32(), page.povray()]
+                page.fifth(), page.coverage(), page.bounces(), page.f32(), page.povray()]
     (root / "docs" / "error-vs-time.md").write_text("\n".join(section for section in sections if section))
 
 
@@ -172,13 +172,13 @@ rays are enough for the same true error, so that the six spent beforehand are mo
 along each of its thin axes.
 """
 
-    def honesty(self):
-        path = self.folder / "honesty.md"
+    def coverage(self):
+        path = self.folder / "coverage.md"
         inside = [row for row in self.rows if row["low_95"] not in (None, "")]
         hits = mean(row["low_95"] <= row["true"] <= row["high_95"] for row in inside)
-        text = f"""## Is the estimate honest?
+        text = f"""## Is the estimate right?
 
-Of the {len(inside)} points above that come with an estimate, {hits:.0%} have their true error within the stated 95%
+Of the {len(inside)} points above that come with an estimate, {hits:.0%} have their true error within the estimated 95%
 interval (each scene's are measured against one reference, whose own error is in them).
 
 Over 100 seeds of every scene with every sampler, 16 samples a pixel, 50 x 50 pixels (an ignored test of
@@ -261,7 +261,7 @@ def processor():
 
 
 def slope(points):
-    """The slope of a line through the logarithms, and the half width of its 95% band."""
+    """Returns the slope of a line through the logarithms, and the half width of its 95% interval."""
     logs = [(math.log(x), math.log(y)) for x, y in points if x > 0 and y > 0]
     n = len(logs)
     if n < 3:
@@ -277,7 +277,7 @@ def slope(points):
 
 
 def between(points, x):
-    """The y of a curve at an x, and `<` or `>` if the curve ends before: the y of its end is then no more than a bound."""
+    """Returns the y of a curve at an x. If the curve ends before x, it returns its last y with `<` or `>`, as a bound."""
     points = sorted((a, b) for a, b in points if a > 0 and b > 0)
     if x <= points[0][0]:
         return points[0][1], "" if x == points[0][0] else bound(points, rising_x=False)

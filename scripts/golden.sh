@@ -3,7 +3,7 @@
 #
 # Usage: scripts/golden.sh [STARTER_FOLDER]
 #   without a folder: data/ against sample_out/, which must be equal;
-#   with the course's starter: its data/ against its sample_out/, within the limits that two correct programs keep.
+#   with the course's starter: its data/ against its sample_out/, within the limits for two correct programs.
 # Environment: A2 (the program; default: built here).
 set -euo pipefail
 

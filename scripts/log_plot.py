@@ -1,4 +1,4 @@
-"""Curves on two logarithmic axes as SVG, by hand: no library is needed to draw them anew."""
+"""Draws curves on two logarithmic axes as SVG, without any library."""
 
 import math
 
@@ -8,7 +8,7 @@ LEFT, RIGHT, TOP, BOTTOM = 70, 20, 40, 55
 
 
 def write_svg(path, title, x_label, y_label, curves):
-    """`curves` are (name, [(x, y), ...]); points with a coordinate that is not above 0 are left out."""
+    """Draws `curves`, a list of (name, [(x, y), ...]). Points with a coordinate of 0 or below are left out."""
     curves = [(name, [(x, y) for x, y in points if x > 0 and y > 0]) for name, points in curves]
     curves = [(name, points) for name, points in curves if points]
     x_axis = Axis([x for _, points in curves for x, _ in points], LEFT, WIDTH - RIGHT)
@@ -66,7 +66,7 @@ class Axis:
         return self.start + share * (self.end - self.start)
 
     def ticks(self):
-        """Values with a grid line, and their labels."""
+        """Returns the values with a grid line, and their labels."""
         labelled = (1, 2, 5) if self.high - self.low < 2.5 else (1,)
         for decade in range(math.floor(self.low), math.ceil(self.high) + 1):
             for digit in range(1, 10):

@@ -11,7 +11,7 @@ Out: the same bunny in 200, 1,000 and all faces, scaled evenly and moved into
     python3 scripts/make_bunny.py index.js    # from a file already here
 
 A mesh is written only if it is closed, wound outward and free of flat faces
-and idle vertices; anything else ends the script with a message and exit 1.
+and unused vertices; otherwise the script ends with a message and exit code 1.
 """
 
 import json
@@ -30,8 +30,8 @@ PACKAGE = "bunny@1.0.1"
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
 BOX = np.array([[-0.19, 0.067, -0.12], [0.12, 0.375, 0.12]])
 
-# How eagerly edges are collapsed. 4 is the lowest whole figure at which the
-# library still gets down to 200 faces; higher ones blunt the ears and the head.
+# The library's parameter "aggressiveness". 4 is the lowest whole number that
+# still reaches 200 faces; higher ones make ears and head blunt.
 EAGERNESS = 4
 
 # OBJ coordinates are rounded to this many decimals before they are checked,
@@ -40,7 +40,7 @@ DECIMALS = 6
 
 
 def read_package(index_js):
-    """Vertices (n x 3) and zero-based faces (m x 3) of the package's index.js."""
+    """Reads vertices (n x 3) and zero-based faces (m x 3) of the package's index.js."""
     arrays = dict(re.findall(r"exports\.(\w+)\s*=\s*(\[\[.*?\]\])", index_js, re.S))
     vertices = np.array(json.loads(arrays["positions"]), dtype=np.float64)
     faces = np.array(json.loads(arrays["cells"]), dtype=np.int64)
@@ -58,8 +58,8 @@ def fetch_package():
 
 
 def place_in_box(vertices):
-    """Scaled alike on all axes to the largest that fits, centred in x and z, standing on the
-    bottom of the box. The package's bunny already looks along -x with y up."""
+    """Scales evenly to the largest size that fits into the box, centred in x and z, with its feet
+    on the bottom. The package's bunny already looks along -x with y up."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = ((BOX[1] - BOX[0]) / (high - low)).min()
     shift = BOX.mean(axis=0) - scale * (low + high) / 2
@@ -68,7 +68,7 @@ def place_in_box(vertices):
 
 
 def faults(vertices, faces):
-    """What is wrong with a mesh, as a list of sentences; empty for a clean one."""
+    """Returns what is wrong with a mesh, as a list of sentences."""
     found = []
     directed = Counter()
     for a, b, c in faces.tolist():

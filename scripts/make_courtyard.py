@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Makes the meshes of data/courtyard.txt, data/models/courtyard/*.obj.
 
-In:  nothing; every measure stands below, in metres, y up, paving at y = 0.
-Out: one file per material and part. The four sides of the court are alike, so
-     only the one at negative z is made; the scene turns it about y.
+In:  nothing; all measures are constants below, in metres, y up, paving at y = 0.
+Out: one file per material and part. The four sides of the court are equal, so
+     only the side at negative z is made; the scene rotates it about y.
 
-Walls are single sheets that face the court: no ray of the cube map sees their
-backs. Vertices are shared only where the surface is smooth or flat, because
+Walls are single sheets that face the court, because no ray of the cube map sees
+their backs. Vertices are shared only where the surface is smooth or flat, because
 normals are averaged over all faces that share a vertex.
 
     python3 scripts/make_courtyard.py         # needs Python alone
@@ -48,13 +48,13 @@ class Mesh:
         return self.vertices.setdefault(key, len(self.vertices))
 
     def _face(self, corners):
-        """Corners that fall together, as at the tip of a turned body, count once."""
+        """Adds a face. Equal corners, as at the tip of a body of revolution, count once."""
         corners = list(dict.fromkeys(corners))
         if len(corners) > 2:
             self.faces.append(corners)
 
     def flat(self, *points):
-        """A convex polygon, its corners counter-clockwise seen from outside."""
+        """Adds a convex polygon, its corners counter-clockwise seen from outside."""
         p, q, r = points[:3]
         u = [b - a for a, b in zip(p, q)]
         w = [b - a for a, b in zip(p, r)]
@@ -64,8 +64,8 @@ class Mesh:
         self._face(self._corner(point, normal) for point in points)
 
     def smooth(self, rows):
-        """A grid of points; seen from outside the rows run left to right and lie one above
-        the other."""
+        """Adds a grid of points. Seen from outside, rows go from left to right, and each row is
+        above the row before."""
         self.surfaces += 1
         grid = [[self._corner(point, self.surfaces) for point in row] for row in rows]
         for low, high in zip(grid, grid[1:]):
@@ -73,7 +73,7 @@ class Mesh:
                 self._face((low[k], low[k + 1], high[k + 1], high[k]))
 
     def box(self, low, high, without=""):
-        """`without` names sides to leave out, of l r d u b f: -x +x -y +y -z +z."""
+        """Adds a box. `without` names sides to leave out, of l r d u b f: -x +x -y +y -z +z."""
         (x0, y0, z0), (x1, y1, z1) = low, high
         sides = {
             "l": ((x0, y0, z0), (x0, y0, z1), (x0, y1, z1), (x0, y1, z0)),
@@ -88,15 +88,15 @@ class Mesh:
                 self.flat(*corners)
 
     def turned(self, centre, runs, around):
-        """A turned body about the vertical through `centre`: each run is a smooth stretch of
-        (radius, height) pairs going up the outside, with a crease between runs."""
+        """Adds a body of revolution about the vertical through `centre`. Each run is a smooth profile
+        of (radius, height) pairs from bottom to top; between two runs there is a crease."""
         cx, cy, cz = centre
         turns = [2 * pi * k / around for k in range(around + 1)]
         for run in runs:
             self.smooth([[(cx + r * sin(a), cy + y, cz + r * cos(a)) for a in turns] for r, y in run])
 
     def add(self, other, quarters):
-        """The flat faces of another mesh, turned about y by so many quarters."""
+        """Adds the flat faces of another mesh, rotated about y by a number of quarter turns."""
         points = [point for point, _ in other.vertices]
         for face in other.faces:
             turned = [points[i] for i in face]
@@ -136,7 +136,7 @@ def arch(wall, stones, middle, half, spring, radius, ring, top, z):
 
 def column(stone, x, z, foot, head, radius, around):
     """A column with base and capital, `head` being the top of its cover stone. Slender ones go
-    without the plinth and the moulded base: at ten metres nobody sees them."""
+    without the plinth and the moulded base, which cannot be seen from ten metres."""
     wide = radius * 1.5
     slender = radius < 0.1
     cap, tall = head - foot - radius * 2.2, head - foot
@@ -199,7 +199,7 @@ def disc(x, y, z, radius, corners, turn=2 * pi):
 
 
 def gallery():
-    """What is seen through the arches: back walls, tiled dado, doors, windows, lamps, ceilings."""
+    """The rooms behind the arches: back walls, tiled dado, doors, windows, lamps, ceilings."""
     wall, tiles, wood, stone, lamps, shutters = (Mesh() for _ in range(6))
     back, front = -HALF - GALLERY, -HALF
     far, upper = HALF + GALLERY, back + 1

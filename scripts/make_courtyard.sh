@@ -4,16 +4,16 @@
 #
 #     scripts/make_courtyard.sh target/release/a2 [SIZE, 1024 if not given]
 #
-# A face is a square view of 90 degrees from 0 2 0. Which way it looks and which way
-# is up follow from the lookup: on the face `up`, say, u grows with x and v with z,
-# and a camera that looks along y with z up has its horizontal, cross(y, z), along x.
-# On `down` and `back`, u runs against that horizontal: the lookup wants what a
-# mirror shows. There the scene is mirrored in x, lights and root group alike.
+# A face is a square view of 90 degrees from 0 2 0. Its direction and its up follow
+# from the lookup. On the face `up`, for example, u grows with x and v with z; a camera
+# that looks along y with z up has its horizontal, cross(y, z), along x. On `down` and
+# `back`, u grows against that horizontal: the face must be a mirror image. For these
+# two the scene is mirrored in x, lights and root group alike.
 #
-# The lookup takes texel x of n to be at 2x/n - 1 and clamps at the far edge; -jitter
-# spreads the samples of pixel x about (2x + 1)/(n - 1) - 1. The map is thus half a
-# texel to one and a half out of place. Tilting and narrowing the cameras to make up
-# for it was tried and took only a fifth off the difference across the seams.
+# In the lookup, texel x of n is at 2x/n - 1, and the far edge is clamped; -jitter
+# spreads the samples of pixel x about (2x + 1)/(n - 1) - 1. So the map is shifted by
+# half a texel to one and a half. Correcting this with tilted, narrower cameras was
+# tried: the difference across the seams fell by only a fifth.
 
 set -eu
 

@@ -19,7 +19,8 @@ except ImportError:
 
 HALVINGS = {"64k": 3, "1m": 5, "4m": 6}
 OCTAVES = 5
-# Of the first octave, as parts of the diagonal of the mesh's box; each further octave halves both.
+# Amplitude and wavelength of the first octave, as parts of the diagonal of the mesh's box. Each further octave halves
+# both.
 HEIGHT, WAVE_LENGTH = 0.004, 0.15
 
 
@@ -37,7 +38,7 @@ def read_obj(path):
 
 
 def halve_edges(vertices, faces):
-    """Four triangles for each one, around the midpoints of its edges; neighbours share a midpoint."""
+    """Splits each triangle into four at the midpoints of its edges; neighbours share a midpoint."""
     edges = np.sort(np.stack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).reshape(-1, 2), axis=1)
     keys, which = np.unique(edges[:, 0] * len(vertices) + edges[:, 1], return_inverse=True)
     midpoints = (vertices[keys // len(vertices)] + vertices[keys % len(vertices)]) / 2

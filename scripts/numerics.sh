@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures what docs/numerics.md shows, draws its pictures, and writes both into it: everything between the lines
-# `<!-- name -->` and `<!-- /name -->` is replaced, the rest is left as it is.
+# Measures the tables of docs/numerics.md, renders its pictures, and updates the page: everything between the lines
+# `<!-- name -->` and `<!-- /name -->` is replaced; the rest stays as it is.
 #
 #   scripts/numerics.sh           tables and pictures, a few minutes
 #   scripts/numerics.sh --soak    and 100,000,000 rays against a closed mesh
@@ -16,7 +16,7 @@ cargo build --release --features f32 --target-dir target/f32
 double=target/release/a2
 single=target/f32/release/a2
 
-# Puts standard input between the marks of this name.
+# Replaces the part of the page between the lines of this name by standard input.
 fill() {
     cat > "$work/part"
     awk -v name="$1" -v part="$work/part" '
@@ -28,7 +28,7 @@ fill() {
 }
 
 # --- cases ---
-A2_NUMERICS_TABLE="$PWD/$work/f64.tsv" cargo test --release --test numerics -- --skip accel:: > "$work/f64.log"
+A2_NUMERICS_TABLE="$PWD/$work/f64.tsv" cargo test --release --test numerics -- --skip queries:: > "$work/f64.log"
 A2_NUMERICS_TABLE="$PWD/$work/f32.tsv" A2_NUMERICS_KEEP_GOING=1 \
     cargo test --release --features f32 --target-dir target/f32 --test numerics --no-fail-fast > "$work/f32.log" 2>&1 || true
 

@@ -28,7 +28,7 @@ BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 
 
 def differing(a2, picture, reference):
-    """Percent of pixels that differ at all, and the number that differ by more than eight levels."""
+    """Returns the percentage of pixels that differ, and the number that differ by more than eight levels."""
     command = [a2, "-compare", picture, reference, "-tolerance", "255", "100"]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     percent = float(re.search(r"over 0 levels\s+\d+ pixels, ([\d.]+)%", text)[1])
@@ -36,7 +36,7 @@ def differing(a2, picture, reference):
 
 
 def measure(a2, starter, work, runs):
-    """A row of the table for each scene."""
+    """Measures the rows of the table, one for each scene."""
     for scene in batch.read():
         names = scene.pictures
         color, normals, depths = (str(work / name) for name in names)
@@ -54,7 +54,7 @@ def measure(a2, starter, work, runs):
 
 
 def ratios():
-    """How many times as long the peers take, of the newest record."""
+    """Reads from the newest record how many times as long the peers take."""
     entry = json.loads((PROJECT / "benches" / "record" / "jobs.jsonl").read_text().splitlines()[-1])
     found = {peer: [] for peer in ("Tachyon", "POV-Ray")}
     for job, seconds in entry["seconds"].items():

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How the time of `a2` grows with the work: one table a quantity, with slopes.
+"""Measures how the time of `a2` grows with the work: one table for each quantity, with slopes.
 
     scripts/scaling.py [--a2 target/release/a2] [--meshes FOLDER] [--repeats N] [--only WORD]
 
 A slope is log(time ratio)/log(work ratio) between neighbouring rows: 1 means that twice the work takes twice the time,
-0 that it costs nothing. Times are medians of whole processes, less the time of the same job at 1 x 1 pixels where that
-job loads the same files. FOLDER holds bunny_64k.obj, bunny_1m.obj and bunny_4m.obj (scripts/make_meshes.py); what is
-missing is left out.
+0 that it costs nothing. Times are medians of whole processes. The time of the same job at 1 x 1 pixels is subtracted if
+that job loads the same files. FOLDER holds bunny_64k.obj, bunny_1m.obj and bunny_4m.obj (scripts/make_meshes.py);
+missing ones are left out.
 """
 
 import argparse
@@ -28,7 +28,7 @@ Group {{ numObjects {objects} MaterialIndex 0 Plane {{ normal 0 1 0 offset -1 }}
 
 
 def scene(path, lights=1, spheres=1, mesh=None):
-    """A plane with spheres in a cube, or a mesh, under directional lights."""
+    """Makes a scene of a plane with spheres in a cube, or with a mesh, under directional lights."""
     light = "DirectionalLight {{ direction {} -1 -0.5 color 0.3 0.3 0.3 }}"
     light_blocks = " ".join(light.format(i / lights - 0.5) for i in range(lights))
     if mesh:

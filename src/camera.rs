@@ -72,8 +72,7 @@ pub struct PixelGrid {
 
 impl PixelGrid {
     /// Returns the place of pixel (`x`, `row`), row 0 at the top, moved right by `offset_x` and up by `offset_y`
-    /// pixels.
-    /// Places are counted in pixels from the bottom left pixel.
+    /// pixels. Places are counted in pixels from the bottom left pixel.
     #[inline(always)]
     pub fn place(&self, (x, row): (u32, u32), (offset_x, offset_y): (Real, Real)) -> Place {
         (x as Real + offset_x, (self.height - 1 - row) as Real + offset_y)

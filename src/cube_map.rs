@@ -106,8 +106,7 @@ pub(crate) struct Place {
 
 impl Place {
     /// Finds the place in a direction, which must be a unit vector. The orientation of each face is the starter's.
-    /// There
-    /// are no branches, so that loops over directions vectorise.
+    /// There are no branches, so that loops over directions vectorise.
     #[inline(always)]
     pub fn of(d: Vector3) -> Self {
         let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());

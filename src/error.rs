@@ -61,8 +61,7 @@ impl SourceError {
     }
 
     /// Returns the part of the line to show, and the place of the mistake in it. Long lines are cut, so that a file
-    /// of one
-    /// huge line gives a short message too.
+    /// of one huge line gives a short message too.
     fn quoted(&self) -> (&str, Range<usize>) {
         let text = &self.source_text.text;
         let start = text.floor_char_boundary(self.span.start);

@@ -29,8 +29,7 @@ pub struct Illumination {
 
 impl Light {
     /// Returns the light that falls on `point` if nothing blocks it. The colour of a point light is divided by
-    /// falloff times
-    /// the squared distance; the light is infinite if that product is zero.
+    /// falloff times the squared distance; the light is infinite if that product is zero.
     pub fn illuminate(&self, point: Vector3) -> Illumination {
         match *self {
             Self::Directional { to_light, color } => from_direction(to_light, color),
@@ -51,8 +50,7 @@ impl Light {
     }
 
     /// Returns an upper bound of the light that falls on any point, in any component. `None` if there is no bound,
-    /// because a
-    /// point light has none near its position.
+    /// because a point light has none near its position.
     pub fn max_radiance(&self) -> Option<Real> {
         match self {
             Self::Directional { color, .. } => Some(color.max_abs()),
@@ -61,8 +59,7 @@ impl Light {
     }
 
     /// Illuminates many points: calls `lit` with each index and the light at `point(index)`. The formula is chosen
-    /// outside
-    /// the loops, so that they vectorise.
+    /// outside the loops, so that they vectorise.
     #[inline(always)]
     pub fn illuminate_each(
         &self,

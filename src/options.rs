@@ -183,8 +183,7 @@ impl SamplerKind {
     }
 
     /// Returns the expected convergence order at an edge: b if the squared error falls as n^-b with n samples. A
-    /// curved edge
-    /// crosses about sqrt(n) of n cells, which gives 3/2 for one sample in each cell.
+    /// curved edge crosses about sqrt(n) of n cells, which gives 3/2 for one sample in each cell.
     pub fn convergence_order(self) -> f64 {
         match self {
             Self::Independent => 1.0,

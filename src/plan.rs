@@ -72,7 +72,7 @@ impl Plan {
         plan
     }
 
-    /// A light without colour, or whose colour no material in use answers, adds exactly nothing.
+    /// Keeps the lights that can change a colour. A light adds exactly zero if no material in use reflects its colour.
     fn choose_lights(&mut self, description: &Description, materials: &[&Material]) {
         for (index, light) in description.lights.iter().enumerate() {
             let light = &light.value;
@@ -85,7 +85,7 @@ impl Plan {
         }
     }
 
-    /// Mirror and shadow rays are traced only where a material or a light asks for them.
+    /// Finds out which shadow and mirror rays are needed.
     fn choose_rays(&mut self, options: &Options, description: &Description, materials: &[&Material]) {
         let has_mirror = materials.iter().any(|material| material.is_mirror());
         self.shadows = options.shadows && !self.lights.is_empty();

@@ -1,25 +1,25 @@
-//! Where shadow and mirror rays start, and the tolerances behind it.
+//! [`RayOffset`]: where shadow and mirror rays start.
 //!
-//! A ray that starts on the surface it leaves would meet that surface again, because the computed point of a hit is
-//! rounded. The starter's rays start 0.01 along themselves, and the course's pictures depend on it.
-//! [`Epsilon::Auto`](crate::options::Epsilon::Auto) takes the smallest distance that rounding allows, which holds at every scale.
-//! `docs/numerics.md` derives it at length.
+//! A ray that starts at a computed hit would hit the same surface again, because the point of the hit is rounded. The
+//! starter's rays start 0.01 along their direction, and the course's pictures depend on it.
+//! [`Epsilon::Auto`](crate::options::Epsilon::Auto) takes the smallest distance that rounding allows, which fits at
+//! every scale. `docs/numerics.md` derives it at length.
 //!
-//! Tolerances that belong to one object stand beside it, in units of [`UNIT_ROUNDOFF`]: those of boxes in
-//! `objects/aabb.rs`, of surfaces in the file of each shape, of transforms in `objects/transform.rs`.
+//! The error bounds of an object stand beside it, in units of [`UNIT_ROUNDOFF`]: of boxes in `objects/aabb.rs`, of
+//! surfaces in the file of each shape, of transforms in `objects/transform.rs`.
 
 use crate::light::{Illumination, Light};
 use crate::material::mirrored;
 use crate::objects::{Ray, SurfacePoint};
 use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
 
-/// Share of the distance and of the coordinates by which a shadow ray ends before the light: an object that the light
-/// touches must not block it, though rounding may put the hit on either side of the light.
+/// Share of the distance and of the coordinates by which a shadow ray ends before the light. An object that touches
+/// the light must not block it, though rounding may put the hit on either side of the light.
 ///
-/// Distance and t each come from a difference, three squares and a root (5 roundings of the distance and one of the
-/// light's and the origin's coordinates each). The object adds at most as much as a surface's own error bound, some 20
-/// roundings of the coordinates. 64 of either cover that with room to spare.
-const LIGHT_GAP: Real = 64.0 * UNIT_ROUNDOFF;
+/// Distance and t are each computed from a difference, three squares and a root: 5 roundings of the distance, and one
+/// of the coordinates of light and origin. The object adds at most the error bound of a surface point, about 20
+/// roundings of the coordinates. 64 of both are more than enough.
+const LIGHT_MARGIN: Real = 64.0 * UNIT_ROUNDOFF;
 
 /// Returns the ray that starts `epsilon` along itself from a point: the starter's offset.
 #[inline(always)]
@@ -30,9 +30,9 @@ pub fn offset_along(point: Vector3, direction: Vector3, epsilon: Real) -> Ray {
 /// A point of a surface that shadow and mirror rays leave.
 #[derive(Clone, Copy, Debug)]
 pub enum RayOffset {
-    /// Rays start this far along themselves.
+    /// Rays start this far along their direction.
     Along { point: Vector3, epsilon: Real },
-    /// Rays start as far beside the surface as its error bound asks for.
+    /// Rays start beside the surface, at the distance of its error bound.
     Beside(BesideSurface),
 }
 
@@ -55,8 +55,9 @@ impl RayOffset {
         }
     }
 
-    /// Returns the ray to a light as `seen` from the point, and how far it goes. The distance is measured from the moved
-    /// origin, as in the starter: what stands up to one offset behind the light blocks it too, unless with `-robust`.
+    /// Returns the ray to a light as `seen` from the point, and how far it goes. As in the starter, the distance is
+    /// counted from the offset origin: an object up to one offset behind the light blocks it too, except with
+    /// `-robust`.
     pub fn shadow_ray(&self, light: &Light, seen: &Illumination, is_robust: bool) -> (Ray, Real) {
         match self {
             Self::Along { point, epsilon } => {
@@ -79,15 +80,16 @@ impl RayOffset {
 }
 
 impl BesideSurface {
-    /// Makes the start of rays where `ray` has hit `surface`.
+    /// Makes the offset of rays that leave the point where `ray` has hit `surface`.
     pub fn new(ray: &Ray, surface: SurfacePoint) -> Self {
         let points_away = surface.normal.dot(ray.direction) > 0.0;
         let to_eye = if points_away { -surface.normal } else { surface.normal };
         Self { surface, to_eye, incoming: ray.direction }
     }
 
-    /// Returns the mirror ray, which starts on the side that it goes to. With `-robust` it goes to the side that the eye
-    /// sees: where a smoothed normal would lead it into the mirror, the face's own normal takes its place.
+    /// Returns the mirror ray, which starts on the side that it goes to. With `-robust` it always goes to the side
+    /// that the eye sees: where the smooth normal would lead it into the mirror, the normal of the face is used
+    /// instead.
     pub fn mirror_ray(&self, reflected: Vector3, is_robust: bool) -> Ray {
         let enters = self.to_eye.dot(reflected) < 0.0;
         let direction = if is_robust && enters { mirrored(self.incoming, self.to_eye) } else { reflected };
@@ -106,14 +108,14 @@ impl BesideSurface {
     }
 }
 
-/// Returns how far a shadow ray goes to a light at this distance from its origin: not quite so far, because the light may
-/// lie on an object.
+/// Returns how far a shadow ray goes to a light at this distance from its origin: not quite so far, because the light
+/// may lie on an object.
 pub fn shadow_t_max(origin: Vector3, distance: Real) -> Real {
     if distance == Real::INFINITY {
         return distance;
     }
     // The light's coordinates are at most the origin's and the distance together.
-    (distance - LIGHT_GAP * (2.0 * distance + origin.max_abs())).max(0.0)
+    (distance - LIGHT_MARGIN * (2.0 * distance + origin.max_abs())).max(0.0)
 }
 
 #[cfg(test)]

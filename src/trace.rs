@@ -68,7 +68,7 @@ pub fn trace_ray(scene: &Scene, plan: &Plan, camera_ray: Ray, counts: &mut RayCo
     seen
 }
 
-/// What the pictures of depths and normals show of a ray's hit.
+/// Returns what the pictures of depths and normals show of a ray's hit.
 fn first_seen(scene: &Scene, plan: &Plan, ray: &Ray, hit: Option<&Hit>) -> Seen {
     let normal = hit.filter(|_| plan.normals).map(|hit| scene.geometry.normal(ray, hit));
     Seen { color: Vector3::ZERO, depth: hit.map(|hit| hit.surface.t), normal: normal.unwrap_or(Vector3::ZERO) }
@@ -100,8 +100,8 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The light that the surface reflects along the ray, without what it mirrors: ambient light, and diffuse light and a
-    /// highlight from each light that is not blocked.
+    /// Returns the light that the surface reflects along the ray, without what it mirrors: ambient light, and diffuse
+    /// light and a highlight from each light that is not blocked.
     fn reflected_light(&self, scene: &Scene, plan: &Plan, counts: &mut RayCounts) -> Vector3 {
         let lights = scene.lights.iter().map(|light| self.reflected_from(light, scene, plan, counts));
         let color = lights.fold(Vector3::ZERO, |sum, reflected| sum + reflected);

@@ -1,7 +1,7 @@
-"""What is measured: whole processes, each as the command lines that do the same work in a2 and in its peers.
+"""The jobs that are measured: whole processes, as the command lines that do the same work in a2 and in its peers.
 
-In: where a2, the scenes and a working folder are, and the picture size. Out: a list of `Job`. Translating scenes and
-making meshes happens here, before anything is timed.
+In: the paths of a2, of the scenes and of a working folder, and the picture size. Out: a list of `Job`. Scenes are
+translated and meshes are made here, before anything is timed.
 """
 
 import os
@@ -26,15 +26,16 @@ TRIANGLES = {"64k": "64,000", "1m": "1,024,000"}
 @dataclass
 class Job:
     name: str
-    # Program: the command lines that it runs one after another. The first program is what the others are compared with.
+    # For each program the command lines that it runs one after another. The others are compared with the first
+    # program.
     programs: dict = field(default_factory=dict)
-    # What has to be there in the end: path and width.
+    # Pictures that must exist in the end: path and width.
     pictures: list = field(default_factory=list)
     is_long: bool = False
 
 
 def make_mesh(name, base_mesh, folder):
-    """FOLDER/bunny_NAME.obj by make_meshes.py, with whichever Python has numpy; or None."""
+    """Makes FOLDER/bunny_NAME.obj by make_meshes.py, with any Python that has numpy; or returns None."""
     maker = ROOT / "scripts" / "make_meshes.py"
     for python in (sys.executable, "/usr/bin/python3"):
         command = [python, maker, base_mesh, folder, "--only", name]
@@ -66,7 +67,7 @@ class Planner:
         return [*command, "-threads", str(threads or self.threads), "-quiet", *options]
 
     def one_picture(self, name, scene, options, samples=1):
-        """One colour picture of `scene` by a2 and every peer."""
+        """Makes a job: one colour picture of `scene` by a2 and every peer."""
         stem = scene.stem
         bounces = int(options[options.index("-bounces") + 1]) if "-bounces" in options else 0
         translate(scene, self.work, (self.size, self.size), bounces, "-shadows" in options, tuple(self.peers))
@@ -83,7 +84,8 @@ class Planner:
             command += ["-aasamples", "143"] if samples > 1 else []
             job.programs["Tachyon"] = [[*command, "-format", "PNG", "-o", output]]
         if "povray" in self.peers:
-            # It takes 9 x 9 samples a pixel at most, so it gets a2's scheme: 3 x 3 the pixels, 4 x 4 jittered in each.
+            # POV-Ray takes at most 9 x 9 samples a pixel, so it renders like a2: 3 x 3 the pixels, 4 x 4 jittered
+            # samples in each.
             scale = 3 if samples > 1 else 1
             output = self.picture(job, f"povray_{stem}.png", scale)
             command = ["povray", f"+I{stem}.pov", f"+O{output}", f"+W{self.size * scale}", f"+H{self.size * scale}"]
@@ -92,7 +94,7 @@ class Planner:
         return job
 
     def big_mesh(self, job_name, mesh_name):
-        """scene06 with a bigger bunny in the place of its own, or None and a message."""
+        """Makes a scene06 with a bigger bunny instead of its own; or returns None, with a message."""
         if not make_mesh(mesh_name, self.data / "models" / "bunny_1k.obj", self.work):
             print(f"{job_name}: left out, make_meshes.py failed (it needs numpy)", file=sys.stderr)
             return None
@@ -123,7 +125,7 @@ class Planner:
         return job
 
     def jobs(self, big, wanted):
-        """The jobs whose name contains `wanted`; only those are prepared."""
+        """Returns the jobs whose name contains `wanted`. Only these are prepared."""
         plans = []
         for samples in (1, 144):
             for p in ("scene01", "scene06", "scene07") if samples == 1 else ("scene06", "scene07"):

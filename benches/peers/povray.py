@@ -4,9 +4,9 @@ from scene_file import IDENTITY, scale, sub
 from sky_box import FACE_AXES, HALF_WIDTH
 
 FAR = 1e5
-# POV-Ray's attenuation is 2/(1 + (d/FADE)^2): so small a distance makes it 2 FADE^2/d^2.
+# POV-Ray's attenuation is 2/(1 + (d/FADE)^2). With so small a FADE it is 2 FADE^2/d^2.
 FADE = 1e-3
-# The order in which POV-Ray's `cubic` pattern takes its six pigments.
+# The order of the six pigments in POV-Ray's `cubic` pattern.
 CUBIC_ORDER = ("right", "up", "front", "left", "down", "back")
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rays a second on the same rays: Embree, and a2's own ray bench when it is named, in turn.
+"""Measures rays a second of Embree, and of a2's own ray bench if it is named, in turn and on the same rays.
 
     benches/peers/rays.py [--ours PROGRAM] [--data FOLDER] [--meshes NAME,...] [--threads N] [--rounds N] [--build]
 
@@ -25,7 +25,7 @@ sys.dont_write_bytecode = True
 from jobs import ROOT, make_mesh  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
-# Ray class: the query of ours that answers it, and Embree's, one ray at a time and eight coherent ones.
+# For each ray class: our query, and Embree's, for one ray at a time and for eight coherent rays.
 CLASSES = {
     "camera": ("closest_hit", "rtcIntersect1", "rtcIntersect8"),
     "shadow": ("any_hit", "rtcOccluded1", "rtcOccluded8"),
@@ -43,7 +43,7 @@ def output_of(command):
 
 
 def in_turn(programs, arguments, rounds):
-    """(name of the query, threads): the figures of all rounds, and the hits that it counted."""
+    """Parses output. For each (name of the query, threads): the figures of all rounds, and the counted hits."""
     figures, hits = defaultdict(list), {}
     for _ in range(rounds):
         for program in programs:

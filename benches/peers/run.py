@@ -4,9 +4,9 @@
     benches/peers/run.py [--a2 PATH] [--also PATH]... [--data FOLDER] [--repeats N] [--only WORD] [--quick]
                          [--record FILE]
 
-Every round runs each program once, in turn, so that a slow spell of the machine meets all of them. Figures are
-medians (least .. most) in seconds; a ratio above 1 says that a2 is that many times faster. A peer that is not
-installed is left out with a message. Exit code 0: everything ran and left its pictures; 1: something failed.
+Every round runs each program once, in turn, so that a slow phase of the machine affects all of them. Figures are
+medians (least .. most) in seconds; a ratio above 1 says how many times faster a2 is. A peer that is not installed is
+left out with a message. Exit code 0: everything ran and wrote its pictures; 1: something failed.
 """
 
 import argparse
@@ -110,7 +110,7 @@ def package_versions(peers):
 def record(file, args, peers, results):
     target = file if file.parent != Path(".") else ROOT / "benches" / "record" / file
     target.parent.mkdir(parents=True, exist_ok=True)
-    # A record is committed, so it names no folder of the machine.
+    # Records are committed, so they contain no folder names of the machine.
     words = [Path(word).name if "/" in word else word for word in sys.argv[1:]]
     entry = {
         "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),

@@ -1,7 +1,7 @@
 """Reads an a2 scene into flat, world-space data for the writers of other ray tracers.
 
-In: the path of a scene text. Out: a `Scene` whose objects are spheres, planes and triangle meshes with their
-transformation multiplied out. Valid scenes are assumed: a2 itself is the program that explains what is wrong with one.
+In: the path of a scene file. Out: a `Scene` whose objects are spheres, planes and triangle meshes with their
+transforms multiplied. The scene must be valid: mistakes are only reported by a2 itself.
 """
 
 import math
@@ -46,7 +46,7 @@ def point_by(m, p):
 
 
 def normal_matrix(m):
-    """The cofactors of the upper 3 x 3: the inverse transpose but for a positive or negative factor."""
+    """Returns the cofactors of the upper 3 x 3: the inverse transpose, up to a positive or negative factor."""
     rows = [m[r][:3] for r in range(3)]
     cofactors = (cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1]))
     sign = 1.0 if dot(rows[0], cofactors[0]) > 0.0 else -1.0
@@ -80,7 +80,7 @@ class Scene:
 
 
 def load_obj(path):
-    """Positions and triangles of an OBJ, and the vertex normals that a2 defines: sums of the unit face normals."""
+    """Reads positions and triangles of an OBJ, and computes a2's vertex normals: sums of the unit face normals."""
     vertices, faces = [], []
     with open(path) as lines:
         for line in lines:
@@ -101,7 +101,7 @@ def load_obj(path):
 class Reader:
     def __init__(self, path):
         self.folder = Path(path).parent
-        # A comment begins where a token could, so that a path may hold its signs.
+        # A comment begins only where a token could begin, so that a path may contain `#` and `//`.
         text = re.sub(r"(?<![^\s{}])(#|//).*", "", Path(path).read_text())
         self.tokens = text.replace("{", " { ").replace("}", " } ").split()
         self.at = 0
@@ -122,7 +122,7 @@ class Reader:
         return tuple(float(self.next()) for _ in range(n))
 
     def fields(self, sizes):
-        """`{ name values ... }` with `sizes[name]` numbers each; 0 means one word."""
+        """Parses `{ name values ... }` with `sizes[name]` numbers for each name; 0 means one word."""
         self.expect("{")
         found = {}
         while (name := self.next()) != "}":
@@ -220,7 +220,7 @@ class Reader:
 
 
 def rotation(a, angle):
-    """Right-handed rotation about the unit axis `a` (Rodrigues)."""
+    """Makes a right-handed rotation about the unit axis `a` (Rodrigues)."""
     s, c = math.sin(angle), math.cos(angle)
     across = ((0, -a[2], a[1]), (a[2], 0, -a[0]), (-a[1], a[0], 0))
     rows = [

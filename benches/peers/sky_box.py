@@ -1,7 +1,7 @@
-"""Where the six pictures of a cube map stand on a huge box around the scene.
+"""The places of a cube map's six pictures on a huge box around the scene.
 
-Each face: its outward axis, and the directions in which the picture's columns run (left to right) and its rows run
-(bottom to top). The box is so large that a point of the scene counts as its centre.
+Each face has its outward axis, the direction of the picture's columns from left to right, and the direction of its rows
+from bottom to top. The box is so large that every point of the scene is practically its centre.
 """
 
 HALF_WIDTH = 1e6

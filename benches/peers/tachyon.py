@@ -7,7 +7,7 @@ from sky_box import FACE_AXES, HALF_WIDTH
 
 # Tachyon picks a coarser picture the larger the texture's SCALE is; the factor moves from SCALE into the axes.
 SHARP = 1e6
-# Just below full: Tachyon then leaves the object out of shadow rays, and shades it as opaque all the same.
+# Just below 1: then the object casts no shadow in Tachyon, and is shaded as opaque.
 CASTS_NO_SHADOW = 0.9999
 
 
@@ -41,8 +41,8 @@ def write(out, scene, view, faces, bounces, shadows):
 
 
 def write_camera(out, view, bounces):
-    # The plane that a2's rays pass through is spanned by `right` and `up`, so this is its normal; a direction that is
-    # not perpendicular to `up` becomes a frustum that lies off the axis.
+    # The plane that a2's rays pass through is spanned by `right` and `up`; this is its normal. If the direction is
+    # not perpendicular to `up`, the frustum is not symmetric about the axis.
     normal = cross(unit(view.up), view.right)
     distance, rise = dot(view.forward, normal), dot(view.forward, unit(view.up))
     half = math.sqrt(dot(view.up, view.up))
@@ -69,7 +69,7 @@ def write_light(out, kind, light, middle):
     if kind == "DirectionalLight":
         out.write(f"DIRECTIONAL_LIGHT DIRECTION {vector(unit(light['direction']))} COLOR {vector(light['color'])}\n")
     else:
-        # Tachyon does not attenuate highlights: the colour is given as it arrives in the middle of the scene.
+        # Tachyon does not attenuate highlights, so the colour is that which arrives in the middle of the scene.
         to_middle = sub(middle, light["position"])
         square = dot(to_middle, to_middle)
         color = scale(light["color"], 1.0 / (light["falloff"] * square))
@@ -80,7 +80,7 @@ def write_light(out, kind, light, middle):
 def write_sky_face(out, face, name):
     axis, u, v = FACE_AXES[face]
     place = scale(axis, HALF_WIDTH)
-    # Tachyon keeps a PPM's rows as they come, top row first.
+    # Tachyon keeps the rows of a PPM in their order, top row first.
     top_left = scale(add(sub(axis, u), v), HALF_WIDTH)
     stretch = SHARP / (2 * HALF_WIDTH)
     out.write(
@@ -115,7 +115,7 @@ def write_object(out, kind, m, content, name, look):
 
 
 def tessellated(sphere, rings=64, sectors=128):
-    """A sphere as triangles, for Tachyon transforms none."""
+    """Writes a sphere as triangles, because Tachyon cannot transform spheres."""
     normals = []
     for ring in range(rings + 1):
         polar = math.pi * ring / rings

@@ -4,10 +4,10 @@
     translate.py SCENE.txt FOLDER [--size W H] [--bounces N] [--shadows] [--to povray|tachyon] [--sky images|plain]
 
 Out: FOLDER/NAME.pov and FOLDER/NAME.dat, and the cube map's faces beside them (Tachyon keeps at most 80 characters
-of an image's name, POV-Ray reads only below its working folder; `pngtopnm` of netpbm makes Tachyon's copies). The size
-goes into the camera, so that both trace the very rays of a2's pixels. Not translated: coloured specular terms (their
-mean is taken, POV-Ray's mirrors excepted), coloured ambient light in Tachyon (the mean), and plane normals that are
-not of unit length (both normalise them). README.md says what else differs.
+of an image's name, POV-Ray reads only below its working folder; `pngtopnm` of netpbm makes Tachyon's copies). The
+camera contains the size, so that both trace the same rays as a2. Not translated: coloured specular terms (their mean
+is used, except for mirrors in POV-Ray), coloured ambient light in Tachyon (the mean is used), and plane normals that
+are not unit vectors (both normalise them). README.md lists the other differences.
 """
 
 import argparse
@@ -27,7 +27,7 @@ FACES = ("right", "left", "up", "down", "front", "back")
 
 
 class View:
-    """The camera of a2 as three vectors: a pixel's ray is `forward + x * right + y * up`, x and y in -1 .. 1."""
+    """Returns the camera of a2 as three vectors: a pixel's ray is `forward + x * right + y * up`, x and y in -1 .. 1."""
 
     def __init__(self, camera, size):
         direction = unit(camera["direction"])

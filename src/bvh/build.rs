@@ -56,8 +56,7 @@ type Share = (u8, u8);
 const WHOLE: Share = (0, 0);
 
 /// The least costs of a subtree of the binary tree if it becomes at most 1, 2, ... 7 boxes, in visits of nodes.
-/// Leaves
-/// cost nothing, because they are visited in any case.
+/// Leaves cost nothing, because they are visited in any case.
 type Costs = [f32; WIDTH - 1];
 
 /// Adds the binary tree of a range of items, which starts at `start`, to `nodes`.

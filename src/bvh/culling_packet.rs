@@ -38,8 +38,7 @@ impl CullingPacket {
     };
 
     /// Fills the packet with the rays of the active lanes that enter the space within their `t_max`. Returns the mask
-    /// of
-    /// these lanes, and the mask of unbounded rays that may meet an item: for these every item must be tested.
+    /// of these lanes, and the mask of unbounded rays that may meet an item: for these every item must be tested.
     pub fn enter<S: Simd>(
         &mut self,
         simd: S,
@@ -55,8 +54,7 @@ impl CullingPacket {
     }
 
     /// Does the work of [`enter`](Self::enter) for bounded rays. Returns the mask of lanes that have entered, and the
-    /// mask
-    /// of all unbounded rays.
+    /// mask of all unbounded rays.
     fn enter_bounded<S: Simd>(
         &mut self,
         simd: S,

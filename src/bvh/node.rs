@@ -1,8 +1,7 @@
 //! [`Bvh`] and its [`Node`]s of eight boxes, laid out as vectors are loaded.
 //!
 //! The tree knows boxes and not what its leaves stand for. [`build`](super::build) makes a tree; the code that
-//! traverses
-//! it tests the leaves.
+//! traverses it tests the leaves.
 
 use super::space::{CullingSpace, Planes};
 use crate::simd::{Eight, WIDTH};
@@ -99,8 +98,7 @@ impl<Leaf> Bvh<Leaf> {
     }
 
     /// Checks the structure: every leaf and every node but the root is in exactly one box, each box encloses its
-    /// content,
-    /// and unused places are last and empty. `leaf_planes` returns the box around a leaf.
+    /// content, and unused places are last and empty. `leaf_planes` returns the box around a leaf.
     ///
     /// # Errors
     /// The first flaw in words.

@@ -1,9 +1,8 @@
 //! Splits items in two by the surface area heuristic: [`Item`]s in, the cheapest of several splits out.
 //!
 //! The centres of the items are sorted into bins (Wald: On fast Construction of SAH-based Bounding Volume
-//! Hierarchies,
-//! 2007). Nothing depends on the number of threads or on the instruction set: minima and counts are the same in any
-//! order.
+//! Hierarchies, 2007). Nothing depends on the number of threads or on the instruction set: minima and counts are the
+//! same in any order.
 
 use super::space::Planes;
 use crate::simd::{Eight, Simd, WIDTH, load, splat, vectorize};
@@ -17,8 +16,7 @@ const BINS: usize = 16;
 pub const PARALLEL_ITEMS: usize = 1 << 14;
 
 /// A box as eight numbers: lower x, y, z and one unused, then the negated upper x, y, z and one unused. So the box
-/// around
-/// two boxes is one minimum of vectors.
+/// around two boxes is one minimum of vectors.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Bounds(Eight);
@@ -99,8 +97,7 @@ impl Enclosing {
 }
 
 /// Sorts items into two parts, neither of them empty: the cheapest split by the surface area heuristic, or halves if
-/// all
-/// centres coincide. Returns the length of the first part and the boxes around each part.
+/// all centres coincide. Returns the length of the first part and the boxes around each part.
 pub fn split<S: Simd>(
     simd: S,
     items: &mut [Item],
@@ -159,8 +156,7 @@ impl Grid {
     #[inline(always)]
     fn bin_of(&self, item: &Item, axis: usize) -> usize {
         // A number from -1/2 to 15.5 plus this constant has the rounded number in its last bits. This is faster than
-        // a
-        // conversion to an integer.
+        // a conversion to an integer.
         const ROUNDED: f32 = (3 << 22) as f32;
         let axis = axis % 4;
         let place = (item.0[axis] - item.0[axis + 4] - self.low[axis]) * self.per_length[axis] - 0.5;
@@ -235,8 +231,7 @@ impl Bins {
 }
 
 /// Moves the items whose bin on `axis` is below `plane` to the front. Returns their number, and the boxes around
-/// twice
-/// the centres of each part.
+/// twice the centres of each part.
 fn partition<S: Simd>(
     simd: S,
     items: &mut [Item],

@@ -4,8 +4,7 @@
 //! # The error bounds
 //!
 //! Let o + t d be a ray and a, a + e1, a + e2 a triangle, with C = a - o, N = e1 x e2 and R = C x d. The ray meets
-//! the
-//! triangle's plane in a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
+//! the triangle's plane in a + (U e1 + V e2)/D at t = T/D with (Moeller, Trumbore: Fast, Minimum Storage Ray/Triangle
 //! Intersection, 1997)
 //!
 //! ```text
@@ -13,9 +12,9 @@
 //! ```
 //!
 //! and that point lies in the triangle if U, V and W have one sign. In [`CullingSpace`], let e = 2^-24 and let h be
-//! the
-//! largest component of e1 and e2, which are differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on each
-//! axis, the errors add up as follows; the errors of the exact test, bounded by e in each coordinate, are included.
+//! the largest component of e1 and e2, which are differences of exact numbers (error e h). With |C| <= 2 + 2^-15 on
+//! each axis, the errors add up as follows; the errors of the exact test, bounded by e in each coordinate, are
+//! included.
 //!
 //! - C: 1 e for a, 3 e for o, 2 e for the difference: 6 e;
 //! - R: 2 (6 e |d| + 2 e |C|) + 3 roundings of at most 4: below 32 e;
@@ -28,8 +27,7 @@
 //!   |T| <= 4 * 54 e h^2 + 132 e h^2.
 //!
 //! [`SIDE_MARGIN`] is 1024 e, [`DISTANCE_MARGIN`] 1024 e. The t of the exact test is clamped to the triangle's box,
-//! which
-//! moves it towards the true t and not beyond.
+//! which moves it towards the true t and not beyond.
 
 use super::build::{self, Item};
 use super::node::Bvh;
@@ -69,8 +67,8 @@ pub struct TriangleBlock {
 }
 
 /// Builds a tree over triangles 0 to `count`, which lie in `bounds`. The coordinates of their corners must be numbers
-/// of
-/// `f32`. Returns `None` if there are no triangles or a coordinate is not finite: then every triangle must be tested.
+/// of `f32`. Returns `None` if there are no triangles or a coordinate is not finite: then every triangle must be
+/// tested.
 pub fn build_triangle_bvh(
     bounds: &Aabb,
     count: usize,

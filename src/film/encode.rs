@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Writes files so that they appear under their names only when they are complete.
 
 use super::png;
 use crate::error::Error;
@@ -6,9 +6,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// Writes a picture as 8 bit RGB. `bytes` are three a pixel, or one a pixel for a grey picture, rows from the top.
-///
-/// The file appears under its name only when it is complete.
+/// Writes a picture as an 8 bit RGB PNG. `bytes` has three bytes a pixel, or one for a grey picture, rows from the
+/// top.
 ///
 /// # Errors
 /// [`Error::File`] when the folder does not exist or cannot be written to, or the disk is full.
@@ -20,7 +19,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(
     })
 }
 
-/// Has `write` fill a file that appears under its name only when it is complete; errors call it `what`.
+/// Writes a file by calling `write`. It appears under its name only when it is complete. Errors call it `what`.
 ///
 /// # Errors
 /// As [`write_png`].
@@ -36,7 +35,7 @@ pub fn write_whole(
     Ok(())
 }
 
-/// Finds out whether [`write_png`] could write to `path`, before a long computation and not after.
+/// Checks before a long computation that [`write_png`] can write to `path`.
 ///
 /// # Errors
 /// As [`write_png`].
@@ -47,7 +46,8 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
     temporary_beside(path).map(drop)
 }
 
-/// A file in the same folder (so that renaming stays within a disk) that goes away unless it is renamed.
+/// Makes a temporary file in the same folder, so that renaming it stays on one disk. It is deleted unless it is
+/// renamed.
 fn temporary_beside(path: &Path) -> Result<NamedTempFile, Error> {
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -60,7 +60,7 @@ fn temporary_beside(path: &Path) -> Result<NamedTempFile, Error> {
     builder.prefix(".a2-").suffix(".part");
     #[cfg(unix)]
     {
-        // Temporary files are private by default, pictures are not; the process's umask applies.
+        // Temporary files are private by default; pictures are not. The umask still applies.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }

@@ -1,7 +1,6 @@
-//! [`Film`]: the planes of bytes and numbers that become pictures, and the files they are written to.
+//! [`Film`]: the planes of bytes and numbers that become pictures, and the formats of picture files.
 //!
-//! Takes values as they are to be shown: colours as they are, depths and normals already mapped to \[0, 1\]. Knows neither
-//! rays nor scenes.
+//! Depths and normals must already be mapped to \[0, 1\]. Nothing here knows of rays or scenes.
 
 mod encode;
 mod numbers;
@@ -13,7 +12,7 @@ pub use numbers::{NumberPicture, read_numbers, write_numbers};
 use crate::options::Options;
 use vecmath::{Real, Vector3};
 
-/// Which planes a film holds.
+/// The planes that a film has.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Planes {
     pub color: bool,
@@ -24,7 +23,7 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// The planes for the pictures and comparisons that are asked for.
+    /// Returns the planes that the pictures and comparisons of `options` need.
     pub fn wanted_by(options: &Options) -> Self {
         Self {
             color: options.color.is_some(),
@@ -49,12 +48,12 @@ pub struct Film {
     pub normals: Option<Vec<u8>>,
     /// Colours as traced, neither clamped nor rounded: three numbers a pixel.
     pub linear: Option<Vec<f32>>,
-    /// Estimated standard errors of the colours: one byte a pixel, sixteen for a level.
+    /// Estimated standard errors of the colours: one byte a pixel, in sixteenths of a level.
     pub error_map: Option<Vec<u8>>,
 }
 
 impl Film {
-    /// A black film.
+    /// Makes a black film.
     pub fn new(width: u32, height: u32, planes: Planes) -> Self {
         let pixels = width as usize * height as usize;
         let plane = |wanted: bool, bytes: usize| wanted.then(|| vec![0; pixels * bytes]);
@@ -98,7 +97,7 @@ impl Film {
         }
     }
 
-    /// Copies a tile into the film, with its top left pixel at (`x`, `row`). The tile has the same planes.
+    /// Copies a tile into the film, with its top left pixel at (`x`, `row`). The tile must have the same planes.
     pub fn place(&mut self, x: u32, row: u32, tile: &Self) {
         let film_width = self.width as usize;
         let rows = TileRows {
@@ -114,7 +113,7 @@ impl Film {
     }
 }
 
-/// Where the rows of a tile lie in a film, in pixels.
+/// The place of a tile's rows in a film, in pixels.
 struct TileRows {
     first: usize,
     film_width: usize,
@@ -122,7 +121,7 @@ struct TileRows {
 }
 
 impl TileRows {
-    /// Copies a plane of a tile into that of a film, if there is one.
+    /// Copies a plane of a tile into the plane of a film, if there is one.
     fn copy<T: Copy>(&self, film: &mut Option<Vec<T>>, tile: &Option<Vec<T>>, channels: usize) {
         let (Some(film), Some(tile)) = (film, tile) else { return };
         let film_rows = film[channels * self.first..].chunks_mut(channels * self.film_width);
@@ -140,7 +139,7 @@ fn set_bytes(plane: &mut Option<Vec<u8>>, colors: impl Iterator<Item = Vector3>)
     }
 }
 
-/// clamp(trunc(255 c), 0, 255); NaN is 0. No gamma.
+/// Returns clamp(trunc(255 c), 0, 255); NaN gives 0. There is no gamma.
 pub fn to_byte(value: Real) -> u8 {
     // The cast truncates, saturates, and takes NaN to 0.
     (value * 255.0) as u8

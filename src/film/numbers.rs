@@ -1,4 +1,4 @@
-//! Pictures of numbers instead of bytes, so that errors can be measured before clamping and truncation: PFM, written
+//! Pictures of `f32` numbers instead of bytes, for errors to be measured before clamping and truncation: PFM, written
 //! here, and OpenEXR, by the crate `image` (cargo feature `exr`).
 //!
 //! PFM (Debevec's portable float map): `PF`, width and height, `-1.0` for little-endian, then three `f32` a pixel, rows
@@ -23,7 +23,7 @@ fn is_pfm(path: &Path) -> bool {
     has_extension(path, "pfm")
 }
 
-/// Writes a picture in the format that its name asks for: `.pfm`, otherwise EXR. `numbers` are three a pixel.
+/// Writes a picture as PFM if the name ends in `.pfm`, otherwise as EXR. `numbers` has three numbers a pixel.
 ///
 /// # Errors
 /// As [`write_png`](super::write_png).
@@ -63,7 +63,7 @@ pub fn read_numbers(path: &Path) -> Result<NumberPicture, Error> {
 }
 
 fn parse_pfm(bytes: &[u8]) -> Result<NumberPicture, &'static str> {
-    // Three lines of text, each ended by one white space character; the numbers may look like text, too.
+    // Four words, each ended by one white space character. The rest is data, which may contain such bytes too.
     let mut words = bytes.splitn(5, |byte| byte.is_ascii_whitespace());
     let mut text = || words.next().and_then(|word| std::str::from_utf8(word).ok());
     if text() != Some("PF") {
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_as_they_were() {
+    fn written_numbers_are_read_back() {
         let numbers: Vec<f32> = (0..18).map(|n| n as f32 * 1.7 - 3.0).collect();
         let folder = tempfile::tempdir().unwrap();
         let names = if cfg!(feature = "exr") { ["a.pfm", "a.exr"].as_slice() } else { &["a.pfm"] };
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_row_of_a_pfm_is_the_bottom() {
+    fn the_first_row_of_a_pfm_is_at_the_bottom() {
         let mut bytes = b"PF\n1 2\n1.0\n".to_vec();
         (0..6).for_each(|n| bytes.extend((n as f32).to_be_bytes()));
         assert_eq!(parse_pfm(&bytes).unwrap().numbers, [3.0, 4.0, 5.0, 0.0, 1.0, 2.0]);

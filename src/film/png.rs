@@ -1,8 +1,9 @@
-//! Bytes of a picture to a PNG stream, by all threads.
+//! Encodes pictures as PNG by all threads in parallel.
 //!
-//! Strips of rows are filtered and deflated each by itself, and joined into one zlib stream: deflate blocks that end on a
-//! whole byte (RFC 1951), an `IDAT` chunk a strip, and the checksum of them all (RFC 1950). How a picture is cut depends on
-//! its size alone, so that the file is the same at every number of threads.
+//! The rows are divided into strips. Each strip is filtered and deflated by itself, and written as one `IDAT` chunk.
+//! The strips are joined into one zlib stream: each ends on a whole byte (RFC 1951), and the last one has the
+//! checksum of all (RFC 1950). The strips depend only on the size of the picture, so the file is the same for any
+//! number of threads.
 
 use fdeflate::Compressor;
 use png::EncodingError;
@@ -10,15 +11,15 @@ use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::Range;
 
-/// Bytes of pixels in a strip, about: enough to make the 75 bytes that a strip costs not count, and few enough for
-/// a small picture to keep some threads busy.
+/// Approximate size of a strip in bytes of pixels: so large that the 75 bytes of overhead are nothing, and so small
+/// that even a small picture keeps several threads busy.
 const STRIP_BYTES: usize = 1 << 18;
-/// Strips in memory: enough for all threads, and little beside a large picture.
+/// Number of strips in memory: enough for all threads, and little memory compared to a large picture.
 const STRIPS_AT_ONCE: usize = 32;
 /// Modulus of the two sums in Adler-32 (RFC 1950).
 const ADLER_MODULUS: u64 = 65_521;
 
-/// Writes 8 bit RGB. `bytes` are three a pixel, or one a pixel for a grey picture, rows from the top.
+/// Writes 8 bit RGB. `bytes` has three bytes a pixel, or one for a grey picture, rows from the top.
 pub(super) fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -50,12 +51,12 @@ pub(super) fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -
 struct Picture<'a> {
     bytes: &'a [u8],
     row_bytes: usize,
-    /// One byte a pixel stands for three.
+    /// One byte a pixel stands for three equal ones.
     is_grey: bool,
 }
 
 impl Picture<'_> {
-    /// Some rows as a zlib stream of their own.
+    /// Compresses some rows to a zlib stream of their own.
     fn deflated(&self, rows: &Range<usize>) -> io::Result<Vec<u8>> {
         let channels = if self.is_grey { 1 } else { 3 };
         let black = vec![0; self.row_bytes];
@@ -70,7 +71,7 @@ impl Picture<'_> {
             left[..channels].copy_from_slice(first);
             subtract(rest, bytes, &mut left[channels..]);
             subtract(bytes, above, &mut up);
-            // Filters 1 and 2: of all, the two that are undone fastest. Bytes that are 0 take next to no room.
+            // Filters 1 (left) and 2 (up) are the fastest to undo. Bytes that are 0 compress to almost nothing.
             let (filter, filtered) = if nonzero(&left) < nonzero(&up) { (1, &left) } else { (2, &up) };
             rgb[0] = filter;
             if self.is_grey {
@@ -91,41 +92,42 @@ fn subtract(bytes: &[u8], others: &[u8], differences: &mut [u8]) {
 }
 
 fn nonzero(bytes: &[u8]) -> usize {
-    /// So few that their number is a byte, which lets the compiler count sixteen at once.
+    /// So few that their count fits into a byte, which lets the compiler count sixteen at once.
     const AT_ONCE: usize = 240;
     let count = |bytes: &[u8]| bytes.iter().map(|&byte| u8::from(byte != 0)).sum::<u8>();
     bytes.chunks(AT_ONCE).map(|bytes| usize::from(count(bytes))).sum()
 }
 
-/// Takes the Adler-32 checksum off the end of a zlib stream.
+/// Removes the Adler-32 checksum from the end of a zlib stream, and returns both.
 fn without_checksum(mut stream: Vec<u8>) -> io::Result<(Vec<u8>, u32)> {
     let checksum = stream.last_chunk().map(|bytes| u32::from_be_bytes(*bytes));
     stream.truncate(stream.len().saturating_sub(4));
     Ok((stream, checksum.ok_or(io::ErrorKind::UnexpectedEof)?))
 }
 
-/// Makes a zlib header and one final block into a block that others can follow on the next whole byte.
+/// Changes a zlib stream of one final block so that other blocks can follow it, beginning on a whole byte.
 fn continue_after(stream: &mut Vec<u8>) {
     stream[2] &= !1;
-    // `fdeflate` ends a block with a code whose last bit is 1, and fills the byte with zeros. Three of them open an empty
-    // stored block, which goes on on the next whole byte with its length, 0, and the complement of that.
+    // `fdeflate` ends a block with a code whose last bit is 1, and fills the byte with zeros. Three zeros begin an
+    // empty stored block. It goes on with the next whole byte: its length 0, and the complement of the length.
     if stream.last().is_none_or(|byte| byte.leading_zeros() < 3) {
         stream.push(0);
     }
     stream.extend([0, 0, 0xff, 0xff]);
 }
 
-/// The Adler-32 checksum of what has the checksum `first`, followed by `length` bytes that have the checksum `second`.
+/// Returns the Adler-32 checksum of two pieces of data one after the other, from the checksum of each. The second
+/// piece has `length` bytes.
 fn joined(first: u32, second: u32, length: u64) -> u32 {
     let sums = |checksum: u32| (u64::from(checksum & 0xffff), u64::from(checksum >> 16));
     let ((a1, b1), (a2, b2)) = (sums(first), sums(second));
-    // Each sum of the second begins at (1, 0) instead of at those of the first.
+    // The sums of the second piece began with (1, 0) instead of (a1, b1).
     let a = (a1 + a2 + ADLER_MODULUS - 1) % ADLER_MODULUS;
     let b = (b1 + b2 + (length % ADLER_MODULUS) * (a1 + ADLER_MODULUS - 1)) % ADLER_MODULUS;
     (b << 16 | a) as u32
 }
 
-/// The operating system's own words where there are any.
+/// Returns the error of the operating system if there is one.
 fn into_io(error: EncodingError) -> io::Error {
     match error {
         EncodingError::IoError(error) => error,
@@ -137,7 +139,7 @@ fn into_io(error: EncodingError) -> io::Error {
 mod tests {
     use super::*;
 
-    /// Few different bytes or many, in places smooth: all kinds of rows and ends of strips.
+    /// Makes bytes that are smooth in some places and noise in others, for all kinds of rows and ends of strips.
     fn sample(length: usize) -> Vec<u8> {
         let noise = |i: usize| (i as u32).wrapping_mul(0x9e37_79b9) >> 24;
         (0..length).map(|i| if i % 7000 < 4000 { (i / 900) as u8 } else { noise(i) as u8 }).collect()
@@ -148,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_any_number_of_strips_come_back() {
+    fn pictures_of_any_number_of_strips_are_decoded_as_they_were() {
         for (width, height) in [(1, 1), (1, 70_000), (300, 291), (300, 292), (300, 1000), (70_000, 5), (87_382, 3)]
         {
             let bytes = sample(3 * width * height);

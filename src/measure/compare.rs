@@ -1,4 +1,4 @@
-//! Two pictures in, how much they differ out.
+//! [`Comparison`]: how much two pictures of bytes differ.
 
 use crate::error::Error;
 use crate::film::write_png;
@@ -7,14 +7,15 @@ use image::RgbImage;
 use std::fmt;
 use std::path::Path;
 
-/// How two pictures of the same size differ. A pixel's difference is that of its worst channel, in levels of 0 to 255.
+/// The differences of two pictures of the same size. The difference of a pixel is that of its worst channel, in
+/// levels from 0 to 255.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     pub pixels: u64,
     pub worst: u8,
     /// Root mean square over all channels of all pixels, in levels.
     pub rmse: f64,
-    /// Pixels by difference: `histogram[d]` of them differ by d levels.
+    /// `histogram[d]` pixels differ by d levels.
     pub histogram: Box<[u64; 256]>,
 }
 
@@ -33,17 +34,17 @@ impl Comparison {
         Self { pixels, worst, rmse: (squares as f64 / (3 * pixels) as f64).sqrt(), histogram }
     }
 
-    /// Pixels that differ by more than so many levels.
+    /// Returns the number of pixels that differ by more than `levels`.
     pub fn pixels_over(&self, levels: u8) -> u64 {
         self.histogram[usize::from(levels) + 1..].iter().sum()
     }
 
-    /// The same in percent.
+    /// Returns the percentage of pixels that differ by more than `levels`.
     pub fn percent_over(&self, levels: u8) -> f64 {
         100.0 * self.pixels_over(levels) as f64 / self.pixels as f64
     }
 
-    /// Peak signal-to-noise ratio in decibels; infinite for equal pictures.
+    /// Returns the peak signal-to-noise ratio in decibels; infinite for equal pictures.
     pub fn psnr(&self) -> f64 {
         20.0 * (255.0 / self.rmse).log10()
     }
@@ -73,7 +74,7 @@ pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
     Ok(picture.into_rgb8())
 }
 
-/// Compares two picture files and writes their differences if asked to.
+/// Compares two picture files, and writes a picture of their differences with `-diff`.
 ///
 /// # Errors
 /// [`Error::File`] when a picture cannot be read or the sizes differ.
@@ -89,7 +90,7 @@ pub fn compare_files(options: &CompareOptions) -> Result<Comparison, Error> {
     Ok(Comparison::new(&a, &b))
 }
 
-/// The absolute differences, sixteen times as bright.
+/// Returns the absolute differences, sixteen times as bright.
 fn difference_picture(a: &RgbImage, b: &RgbImage) -> Vec<u8> {
     a.iter().zip(b.iter()).map(|(a, b)| a.abs_diff(*b).saturating_mul(16)).collect()
 }

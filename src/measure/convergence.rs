@@ -1,8 +1,8 @@
-//! `-convergence`: error against cost, from one run.
+//! `-convergence`: a table of error against cost, from one run.
 //!
-//! Pictures of 1, 2, 4 ... N samples a pixel are rendered one after the other. Each is exactly what `-samples` with
-//! that number gives, and each line of the table has that picture's own cost. (Going on from one to the next would
-//! cost half as much, but a stratified set of samples cannot be extended.)
+//! Pictures of 1, 2, 4 ... N samples a pixel are rendered one after the other. Each is the picture that `-samples`
+//! gives with that number, and each line of the table has the cost of one picture. (Adding samples to the previous
+//! picture would cost half as much, but a stratified set of samples cannot be extended.)
 
 use super::reference::{Reference, TrueError};
 use crate::options::Options;
@@ -16,16 +16,16 @@ use std::fmt::Write as _;
 /// A line of the table.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// A pixel of the traced grid.
+    /// Per pixel of the traced grid.
     pub samples: u32,
     pub times: Times,
-    /// All kinds.
+    /// Of all kinds.
     pub rays: u64,
     pub estimate: Option<ErrorEstimate>,
     pub true_error: Option<TrueError>,
 }
 
-/// Renders the doubling pictures; the last one is returned.
+/// Renders all pictures. Returns the last one and the table.
 pub fn render_doubling(
     scene: &Scene,
     plan: &Plan,
@@ -53,7 +53,7 @@ pub fn render_doubling(
     }
 }
 
-/// The points as CSV; what is not known is empty.
+/// Returns the table as CSV; unknown values are empty.
 pub fn csv(options: &Options, points: &[Point]) -> String {
     let mut text = "sampler,samples,seconds,cpu_seconds,rays,estimated_rmse_levels,estimated_low_95,\
                     estimated_high_95,estimated_rmse_linear,true_rmse_levels,true_rmse_linear,true_ssim\n"

@@ -1,4 +1,4 @@
-//! What a picture cost and how wrong it is: by its own estimate, against a reference, against another picture.
+//! Measures the cost and the error of pictures: by their own estimate, against a reference, against another picture.
 
 mod compare;
 mod convergence;

@@ -1,8 +1,8 @@
-//! [`TrueError`]: how wrong a picture is, measured against a reference that counts as true.
+//! [`TrueError`]: the error of a picture against a reference picture that counts as true.
 //!
-//! Against a reference of numbers (PFM, EXR) the picture's colours are taken before truncation; in *levels*, both are
-//! clamped to \[0, 1\] and multiplied by 255. Against a reference of bytes (PNG) the picture's own bytes are compared,
-//! for nobody knows the reference's fractions.
+//! If the reference is of numbers (PFM, EXR), the picture's colours are compared before truncation. In *levels*, both
+//! are clamped to \[0, 1\] and multiplied by 255. If the reference is of bytes (PNG), the picture's bytes are
+//! compared, because the reference has lost its fractions.
 
 use super::compare::read_rgb;
 use super::ssim::ssim;
@@ -13,7 +13,7 @@ use std::fmt;
 use std::path::Path;
 use vecmath::Real;
 
-/// Added to the squared reference in the relative error, lest dark pixels count for everything.
+/// Added to the squared reference in the relative error, so that dark pixels do not dominate.
 pub const RELATIVE_EPSILON: f64 = 0.01;
 
 /// The picture that counts as true.
@@ -34,14 +34,14 @@ pub struct TrueError {
     pub worst_levels: f64,
     /// Column and row of the pixel with the worst channel.
     pub worst_pixel: (u32, u32),
-    /// Share of pixels with a channel more than one level off.
+    /// Share of pixels with a channel that is wrong by more than one level.
     pub share_over_one_level: f64,
     /// Structural similarity of the bytes of both pictures (see [`ssim`](super::ssim)): 1 for equal pictures.
     pub ssim: f64,
 }
 
 impl Reference {
-    /// Reads the reference that `options` name, if they do.
+    /// Reads the reference of `options`, if there is one.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -50,8 +50,10 @@ impl Reference {
         path.map(|path| Self::read(path, options.width, options.height)).transpose()
     }
 
+    /// Reads a reference for a picture of this size.
+    ///
     /// # Errors
-    /// [`Error::File`] when it cannot be read or its size is another one.
+    /// [`Error::File`] when it cannot be read or has another size.
     fn read(path: &Path, width: u32, height: u32) -> Result<Self, Error> {
         let is_bytes = has_extension(path, "png");
         let picture = if is_bytes {
@@ -69,7 +71,7 @@ impl Reference {
         Ok(Self { picture, is_bytes })
     }
 
-    /// The error of a film's colours; `None` if it holds no such numbers.
+    /// Returns the error of a film's colours; `None` if the film has no plane of linear colours.
     pub fn error_of(&self, film: &Film) -> Option<TrueError> {
         let (bytes, linear) = (film.color.as_ref()?, film.linear.as_ref()?);
         let from_bytes: Vec<f32>;
@@ -98,7 +100,7 @@ impl Reference {
                 relative += (x - r).powi(2) / (r * r + RELATIVE_EPSILON);
                 worst_here = worst_here.max(levels.abs());
             }
-            // One level is one level, whatever 1/255 is in binary.
+            // A difference of one level must not count as more because 1/255 is rounded.
             over += u64::from(worst_here > 1.0 + 1e-4);
             if worst_here > worst {
                 (worst, worst_index) = (worst_here, index as u32);
@@ -117,7 +119,7 @@ impl Reference {
         }
     }
 
-    /// The reference as a picture of bytes shows it.
+    /// Returns the reference as bytes.
     fn bytes(&self) -> Vec<u8> {
         let numbers = self.picture.numbers.iter();
         if self.is_bytes {
@@ -128,13 +130,13 @@ impl Reference {
     }
 }
 
-/// As a picture shows it; what is no number is black.
+/// Returns a value as a picture shows it: clamped, and 0 for NaN.
 fn shown(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
 }
 
 impl TrueError {
-    /// Peak signal-to-noise ratio in decibels; infinite for equal pictures.
+    /// Returns the peak signal-to-noise ratio in decibels; infinite for equal pictures.
     pub fn psnr(&self) -> f64 {
         20.0 * (255.0 / self.rmse_levels).log10()
     }

@@ -1,5 +1,4 @@
-//! [`Report`]: the pictures of a scene, and everything that is known about them. Its texts are in
-//! [`report_text`](super::report_text).
+//! [`Report`]: the pictures of a scene, their cost and their error. [`report_text`](super::report_text) prints it.
 
 use super::convergence::Point;
 use super::reference::TrueError;
@@ -7,13 +6,13 @@ use crate::render::Frame;
 use crate::timing::Times;
 use std::time::Duration;
 
-/// The pictures of a scene, and everything that is known about them.
+/// The pictures of a scene, their cost and their error.
 #[derive(Debug)]
 pub struct Report {
     pub frame: Frame,
-    /// What the scene's author should know.
+    /// Warnings about the scene.
     pub warnings: Vec<String>,
-    /// What was not done, a sentence each.
+    /// What was left out and why, a sentence each.
     pub left_out: Vec<String>,
     /// Cube map faces that had to be decoded.
     pub decoded_faces: usize,
@@ -28,40 +27,39 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether the estimated error is at most `levels`.
+    /// Returns whether the estimated error is at most `levels`.
     pub fn is_below(&self, levels: f64) -> bool {
         let is_whole = self.frame.samples.least > Some(0);
         is_whole && self.frame.estimate.is_some_and(|estimate| estimate.levels.rmse <= levels)
     }
 
-    /// Million rays of all kinds a second of rendering.
+    /// Returns the million rays of all kinds for each second of rendering.
     pub(super) fn million_rays_a_second(&self) -> f64 {
         let seconds = (self.phases.render.wall + self.phases.filter.wall).as_secs_f64();
         if seconds > 0.0 { self.frame.counts.total() as f64 / seconds / 1e6 } else { 0.0 }
     }
 }
 
-/// How long the parts of the work took.
+/// The times of the parts of the work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Phases {
     /// The scene's text.
     pub parse: Times,
-    /// Meshes and pictures that the scene names, but not the building of trees.
+    /// Loading meshes and pictures, without building trees.
     pub load: Times,
-    /// The trees that find hits.
+    /// Building trees.
     pub build: Times,
-    /// All rays.
+    /// Tracing rays.
     pub render: Times,
-    /// From samples to pixels. This happens between rays on all threads; its wall time is its CPU time divided by
-    /// the number of threads, and not contained in `render`. Zero for adaptive sampling, where samples are added up as
-    /// they come.
+    /// Turning samples into pixels. All threads do this between rays, so its wall time is its CPU time divided by the
+    /// number of threads. `render` does not include it. Zero for adaptive sampling, which adds samples up at once.
     pub filter: Times,
     /// Writing pictures.
     pub encode: Times,
 }
 
 impl Phases {
-    /// Takes the building of trees out of loading, and filtering on `threads` threads out of rendering.
+    /// Subtracts the building of trees from loading, and filtering on `threads` threads from rendering.
     pub fn new(
         parse: Times,
         loading: Times,
@@ -87,7 +85,7 @@ impl Phases {
     }
 }
 
-/// The most memory that this process has held at once, in bytes, where the system tells.
+/// Returns the peak memory of this process in bytes, if the system tells.
 pub(super) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 impl Report {
-    /// The report as JSON. What is not known is null; so is what is infinite.
+    /// Returns the report as JSON. Unknown and infinite values are null.
     pub fn json(&self, options: &Options) -> String {
         let measure = &options.measure;
         let (counts, samples) = (&self.frame.counts, &self.frame.samples);
@@ -47,11 +47,11 @@ impl Report {
             "estimated_error": self.frame.estimate.as_ref().map(estimate_json),
             "true_error": self.true_error.as_ref().map(true_error_json),
         });
-        // Maps with text keys, numbers and texts: nothing that cannot be written.
+        // Writing cannot fail, because the value has only maps with text keys, numbers and texts.
         format!("{value:#}\n")
     }
 
-    /// The report as a table for a person.
+    /// Returns the report as a table for the user.
     pub fn table(&self, options: &Options) -> String {
         let mut text = String::from("phase        wall s     cpu s\n");
         for (name, times) in self.phases.named().into_iter().chain([("total", self.total)]) {
@@ -85,7 +85,7 @@ impl Report {
         text
     }
 
-    /// The estimated error in a line.
+    /// Returns the estimated error in a line.
     pub fn verdict(&self, options: &Options) -> String {
         let mut text = match &self.frame.estimate {
             Some(ErrorEstimate { levels, linear }) => format!(

@@ -1,19 +1,19 @@
 //! Structural similarity of two pictures (Wang et al., Image Quality Assessment: From Error Visibility to Structural
 //! Similarity, IEEE TIP 13(4), 2004): 1 for equal pictures, less where structure is lost.
 //!
-//! In windows of 8 x 8 pixels side by side, smaller at the right and lower edge, and weighted by their area. As in the
-//! crate `image-compare`, which computed it before, variances are sums over a window and not means: so a little noise in
-//! a flat window counts for more than in the paper.
+//! The windows are 8 x 8 pixels side by side, smaller at the right and lower edge, and weighted by their area.
+//! Variances are sums over a window and not means, as in the crate `image-compare`, so that values can be compared
+//! with older ones. A little noise in a flat window counts for more than in the paper.
 
 use std::ops::Range;
 
 /// Side of a window in pixels.
 const WINDOW: usize = 8;
-/// (0.01 L)^2 and (0.03 L)^2, L being 255: they keep the quotients finite in flat windows.
+/// (0.01 L)^2 and (0.03 L)^2 with L = 255. They keep the quotients finite in flat windows.
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// The similarity of two pictures of three bytes a pixel, rows of `width`: that of the worst channel.
+/// Returns the similarity of two pictures in their worst channel. They have three bytes a pixel and rows of `width`.
 pub fn ssim(a: &[u8], b: &[u8], width: usize) -> f64 {
     let height = a.len() / 3 / width;
     let similarity = |channel| {
@@ -32,7 +32,7 @@ pub fn ssim(a: &[u8], b: &[u8], width: usize) -> f64 {
     (0..3).map(similarity).fold(1.0, f64::min)
 }
 
-/// One channel of a window.
+/// Returns one channel of a window.
 fn window(bytes: &[u8], width: usize, columns: Range<usize>, rows: Range<usize>, channel: usize) -> Vec<f64> {
     let pixels = rows.flat_map(|row| columns.clone().map(move |x| row * width + x));
     pixels.map(|pixel| f64::from(bytes[3 * pixel + channel])).collect()
@@ -53,7 +53,7 @@ fn window_ssim(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A slope with noise of this strength.
+    /// Makes a slope with noise of this strength.
     fn picture(width: usize, height: usize, noise: u32) -> Vec<u8> {
         let byte = |i: usize| {
             let random = (i as u32).wrapping_mul(0x9e37_79b9) >> 16;
@@ -62,7 +62,8 @@ mod tests {
         (0..3 * width * height).map(|i| byte(i) as u8).collect()
     }
 
-    /// Values of the crate `image-compare` 0.5.0, `rgb_similarity_structure` with `MSSIMSimple`.
+    /// The expected values are those of the crate `image-compare` 0.5.0, `rgb_similarity_structure` with
+    /// `MSSIMSimple`.
     #[test]
     fn values_are_those_of_another_program() {
         for (width, height, noise, expected) in [

@@ -12,8 +12,7 @@ pub struct SurfaceHit {
     /// Index of the triangle in its mesh; 0 for other shapes.
     pub triangle: u32,
     /// Barycentric coordinates of the point: weights of the triangle's three corners, with sum 1. Zeros for a sphere
-    /// or a
-    /// plane.
+    /// or a plane.
     pub barycentric: [Real; 3],
 }
 

@@ -29,8 +29,7 @@ impl Mesh {
     }
 
     /// Returns for each position the sum of the unit normals of its faces, normalised. All faces count the same,
-    /// whatever
-    /// their area; a face without area does not count.
+    /// whatever their area; a face without area does not count.
     fn smooth_normals(&self) -> Vec<Vector3> {
         let mut sums = vec![Vector3::ZERO; self.positions.len()];
         // Each thread adds up a range of positions. So every sum is made in the order of the file, on any number of

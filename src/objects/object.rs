@@ -18,15 +18,13 @@ pub struct Object {
     pub bounds: Option<Aabb>,
     /// Error bound of taking a ray to object space: rounding may move the ray sideways by this share of its origin's
     /// largest coordinate. So a ray that passes [`bounds`](Self::bounds) within this distance counts as entering
-    /// them.
-    /// Zero without a transform, because tests of boxes allow for their own rounding. Zero for a sphere, because it
-    /// shares no edge with a neighbour.
+    /// them. Zero without a transform, because tests of boxes allow for their own rounding. Zero for a sphere,
+    /// because it shares no edge with a neighbour.
     pub sideways_error: Real,
 }
 
 /// Roundings by which a ray may move sideways: 4 u when it is taken to object space, 6 u in the test there. The unit
-/// is
-/// the largest coordinate of the ray's origin, times the condition number of the transform.
+/// is the largest coordinate of the ray's origin, times the condition number of the transform.
 const SIDEWAYS_ROUNDINGS: Real = 16.0;
 /// Share of their largest coordinate by which world bounds are larger than the objects, so that later code need not
 /// think of the rounding of bounds.
@@ -47,8 +45,7 @@ impl Object {
     }
 
     /// Finds the closest hit with t < `t_max`. `mesh` is called for a shape that is a mesh: it takes the mesh's index
-    /// and
-    /// the ray in object space, and returns the mesh's closest hit with t < `t_max`.
+    /// and the ray in object space, and returns the mesh's closest hit with t < `t_max`.
     ///
     /// By definition, only a ray that enters [`bounds`](Self::bounds) has a hit, and the hit is never nearer than the
     /// entry. So skipping objects by their bounds changes no hit.

@@ -18,8 +18,7 @@ impl Plane {
     /// Makes a plane that is shaded with its normal as given, as the starter does.
     ///
     /// A normal so long or short that products with it would overflow or underflow is scaled by a power of two, and
-    /// the
-    /// offset with it: the plane is the same, to the last bit.
+    /// the offset with it: the plane is the same, to the last bit.
     pub fn new(normal: Vector3, offset: Real) -> Self {
         const USUAL: std::ops::RangeInclusive<Real> = 1e-30..=1e30;
         let longest = normal.max_abs();
@@ -39,10 +38,8 @@ impl Plane {
 }
 
 /// Roundings of a surface point, in units of |n| . |p| and of the plane's distance from the origin: normal . p -
-/// offset
-/// has 4 u (three products, three sums), the division by the normal's length 1 u, the step to the plane 2 u, the sum
-/// of
-/// point and offset 1 u, and the test of a ray that starts there 4 u again.
+/// offset has 4 u (three products, three sums), the division by the normal's length 1 u, the step to the plane 2 u,
+/// the sum of point and offset 1 u, and the test of a ray that starts there 4 u again.
 const PLANE_ROUNDINGS: Real = 12.0;
 
 impl Surface for Plane {

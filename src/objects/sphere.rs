@@ -16,8 +16,7 @@ pub struct Sphere {
 /// most 5 u (three squares, their sum, root, division); the product with r has 1 u more. A ray that starts there
 /// computes f = origin - center (1 u) and |f|^2 - r^2: the squares and their sum have 3 u of r^2, the square of r and
 /// the difference 2 u more. That is 7 u of r^2 together, or 3.5 u of r in height. The discriminant, by the point
-/// nearest
-/// to the centre, has the same. The sum is 5 + 1 + 1 + 3.5 + 3.5.
+/// nearest to the centre, has the same. The sum is 5 + 1 + 1 + 3.5 + 3.5.
 const SPHERE_ROUNDINGS: Real = 16.0;
 /// Roundings in units of the coordinates: the sum of centre and radius, and the sum of point and offset.
 const SUM_ROUNDINGS: Real = 2.0;
@@ -28,8 +27,7 @@ impl Surface for Sphere {
     /// Returns the nearest root t > 0 of |origin + t direction - center|^2 = radius^2.
     ///
     /// The discriminant is computed from the ray's point nearest to the centre, and the second root from the product
-    /// of
-    /// both. So no digits cancel when the sphere is small or far (Haines, Guenther, Akenine-Moeller: Precision
+    /// of both. So no digits cancel when the sphere is small or far (Haines, Guenther, Akenine-Moeller: Precision
     /// Improvements for Ray/Sphere Intersection, Ray Tracing Gems 2019, chapter 7).
     #[inline(always)]
     fn intersect(&self, ray: &Ray) -> Option<Real> {

@@ -2,8 +2,7 @@
 //!
 //! The computed point `origin + t direction` has an error that grows with t. The point of the surface that is nearest
 //! to it is known better. The error bound is the distance from that point beyond which every later test finds the
-//! right
-//! side of the surface.
+//! right side of the surface.
 //!
 //! Each shape derives its error bounds beside its `nearest_point`. All are worst cases to first order, in units of
 //! [`UNIT_ROUNDOFF`](vecmath::UNIT_ROUNDOFF) (u). With n the unit normal of the surface, |n| . |p| is the sum of
@@ -35,8 +34,7 @@ pub struct NearestPoint {
     pub point: Vector3,
     pub normal: Vector3,
     /// Error bound: how far along `normal` the point may be from the surface that a later test sees. The rounding of
-    /// an
-    /// offset point is included.
+    /// an offset point is included.
     pub error: Real,
 }
 

@@ -1,8 +1,7 @@
 //! [`Transform`]: the matrices between world and object space, and the error bounds of going there and back.
 //!
 //! By definition, the surface of a transformed object is the set of world points that `object_from_world` takes to
-//! the
-//! shape. That rounded matrix decides every hit; `world_from_object` only says where to look.
+//! the shape. That rounded matrix decides every hit; `world_from_object` only says where to look.
 
 use super::surface_point::{NearestPoint, across};
 use super::{Aabb, Ray, SurfacePoint};
@@ -15,21 +14,20 @@ pub struct Transform {
     world_from_object: Matrix4,
     /// Takes normals from object to world space: the transpose of the linear part of `object_from_world`.
     normal_to_world: Matrix3,
-    /// Error bound: going to world space and back moves a point p of object space by at most
-    /// `round_trip` |p| + `round_trip_offset`.
+    /// Error bound: going to world space and back moves a point p of object space by at most `round_trip` |p| +
+    /// `round_trip_offset`.
     round_trip: Matrix3,
     round_trip_offset: Vector3,
     /// Condition number: by how much a rounding error in object space grows on the way to world space. It is the
-    /// largest
-    /// row sum of |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the axes).
+    /// largest row sum of |world_from_object| |object_from_world| (Bauer and Skeel; 1 for any scaling along the
+    /// axes).
     pub condition: Real,
 }
 
 /// Roundings of a sum of three products and an offset, in units of the terms' absolute values.
 const TRANSFORM_ROUNDINGS: Real = 4.0;
 /// Roundings of a point that is taken to object space twice (4 u each), once to find its surface point and once when
-/// a
-/// ray starts there, and that is rounded in world space (2 u).
+/// a ray starts there, and that is rounded in world space (2 u).
 const WORLD_POINT_ROUNDINGS: Real = 2.0 * TRANSFORM_ROUNDINGS + 2.0;
 /// Roundings of a shape's own test, in units of the shape's coordinates; generous.
 const SHAPE_ROUNDINGS: Real = 64.0;
@@ -54,8 +52,7 @@ impl Transform {
         let round_trip_offset = object_from_world.transform_point(offset).map(Real::abs)
             + terms * (TRANSFORM_ROUNDINGS * UNIT_ROUNDOFF);
         // Up to here the true inverse of `object_from_world` is within a factor of 2 of `world_from_object`, by the
-        // series
-        // of (1 + round_trip)^-1.
+        // series of (1 + round_trip)^-1.
         if !(round_trip.row_sum_norm() < 0.5) {
             return Err(SingularMatrix);
         }
@@ -92,8 +89,7 @@ impl Transform {
     /// Returns the box in world space around all points that rays can hit on a shape inside `bounds`.
     ///
     /// Let a world point have the rounded image p in object space. It lies where `world_from_object` takes p, up to
-    /// the
-    /// error bound of a round trip and the roundings of p, both seen from world space.
+    /// the error bound of a round trip and the roundings of p, both seen from world space.
     pub fn bounds_to_world(&self, bounds: &Aabb) -> Aabb {
         let world = bounds.transformed(&self.world_from_object);
         let (p, x) = (bounds.corner_reach(), world.corner_reach());

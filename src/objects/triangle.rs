@@ -9,14 +9,12 @@ use vecmath::{Real, UNIT_ROUNDOFF, Vector3, greater, lesser, swapped_if};
 /// The test is watertight (Woop, Benthin, Wald: Watertight Ray/Triangle Intersection, JCGT 2013). It translates and
 /// shears space so that the ray becomes the z axis. A corner gets the same coordinates in every triangle that has it.
 /// The sign of an edge function is exact, or the function is zero, because rounding keeps the order of its two
-/// products.
-/// Swapping the ends of an edge swaps the sign and changes nothing else. So a ray between two triangles that share an
-/// edge hits at least one of them.
+/// products. Swapping the ends of an edge swaps the sign and changes nothing else. So a ray between two triangles
+/// that share an edge hits at least one of them.
 ///
 /// The ray must also meet the triangle's bounding box, and t is clamped to it. For a triangle seen edge-on, all three
 /// edge functions are nothing but rounding, and t has no correct digit: the ray may lie in the triangle's plane and
-/// pass
-/// beside it. Without this rule the hit would depend on whether a tree has tested the box before.
+/// pass beside it. Without this rule the hit would depend on whether a tree has tested the box before.
 pub fn intersect_triangle(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<SurfaceHit> {
     let axes = ShearAxes::of(ray.ray.direction);
     let line = [ray.ray.origin, ray.ray.direction, ray.inverse_direction].map(|vector| axes.order(vector));
@@ -96,8 +94,7 @@ impl Crossing {
     }
 
     /// Returns the hit; use it only if `is_inside`. t is clamped to `near` and `far`, where the line enters and
-    /// leaves the
-    /// box.
+    /// leaves the box.
     #[inline(always)]
     pub fn hit(&self, near: Real, far: Real) -> SurfaceHit {
         let ([u, v, w], [a, b, c]) = (self.edge_functions, self.depths);
@@ -162,8 +159,7 @@ impl Triangle {
 }
 
 /// Roundings in units of |n| . |corners|: the weights have sum 1 within 3 u (two sums, one division), products and
-/// sums
-/// of corners have 3 u, the sum of point and offset 2 u.
+/// sums of corners have 3 u, the sum of point and offset 2 u.
 const CORNER_ROUNDINGS: Real = 8.0;
 /// Roundings in units of l^3 / A, with l the longest edge and A the area. A ray that starts inside the triangle has
 /// corners at distances up to l. Translated to its origin and sheared they have 6 u of l. So an edge function, two
@@ -172,8 +168,7 @@ const SHAPE_ROUNDINGS: Real = 90.0;
 /// Roundings of the depths, in units of l.
 const DEPTH_ROUNDINGS: Real = 6.0;
 /// Largest l^2 / A that counts. For slivers beyond it the error bound would exceed a hundred thousandth of their
-/// length,
-/// and rays that start so far off would leak through neighbours.
+/// length, and rays that start so far off would leak through neighbours.
 const LARGEST_SHAPE: Real = (1 << 30) as Real;
 
 /// Returns the point of a triangle with given barycentric coordinates. Their sum is 1, so the point lies in the

@@ -1,9 +1,10 @@
-//! Renders all pixels with as many samples as an error or a time limit asks for, in passes over the whole picture.
+//! Adaptive sampling: passes over the whole picture until a target error or a time limit is reached.
 //!
-//! Each pixel has two halves that are sampled independently of each other; their difference tells its error (see
-//! [`error_estimate`](super::error_estimate)). With a target error, pilot samples decide how the samples are shared out
-//! (see [`allocation`](super::allocation)) and are then thrown away. Only the error of the whole picture decides when to
-//! stop. So a pixel's own samples have next to no say in how many it gets, and its mean has next to no bias.
+//! The samples of a pixel are two independent halves, from which its error is estimated (see
+//! [`error_estimate`](super::error_estimate)). With a target error, pilot samples decide how many samples each pixel
+//! gets (see [`allocation`](super::allocation)); they are not part of the picture. Only the error of the whole
+//! picture decides when to stop. So no pixel is biased by its own samples, but for its small share in the error of
+//! the whole.
 
 use super::allocation::{Allocation, PILOT_SAMPLES};
 use super::error_estimate::ErrorSums;
@@ -29,12 +30,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The pilot's sample set. Those of the picture's halves begin at 0, far away.
+/// Number of the pilot's sample set. The sets of the picture's halves begin at 0 and never get this far.
 const PILOT_SET: u32 = 1 << 30;
-/// The preview's.
+/// Number of the preview's sample set.
 const PREVIEW_SET: u32 = PILOT_SET + 1;
 
-/// Renders until the target error is reached or `deadline` has come; a whole picture comes out in any case.
+/// Renders until the target error or `deadline` is reached. The picture is complete in any case.
 pub fn render(
     scene: &Scene,
     plan: &Plan,
@@ -62,13 +63,13 @@ pub fn render(
     picture.finish(preview)
 }
 
-/// A picture in the making.
+/// A picture that is being rendered.
 struct Picture<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     options: &'a Options,
     maker: RayMaker,
-    /// Nothing is begun after this.
+    /// No work is begun after this time.
     deadline: Option<Instant>,
     tiles: Vec<Mutex<TileSamples>>,
     progress: &'a dyn Progress,
@@ -76,7 +77,7 @@ struct Picture<'a> {
 }
 
 impl Picture<'_> {
-    /// Takes as many samples in every pixel as without a time limit.
+    /// Takes as many samples in every pixel as without a time limit, or as many as there is time for.
     fn sample_evenly(&mut self) {
         let goal = (self.options.samples() * self.options.grid_pixels()).div_ceil(2);
         let mut samples = 1;
@@ -94,7 +95,7 @@ impl Picture<'_> {
         let Some(variances) = self.pilot() else { return };
         let order = self.options.measure.sampler.convergence_order();
         let mut allocation = Allocation::new(&variances, self.options.width as usize, order);
-        // The first pass shows how good the model is; it should not overshoot.
+        // The first pass shows how good the model is, so it must not take too many samples.
         let mut margin = 1.5;
         while self.mean_square_error() > aim {
             if !allocation.raise(margin * aim) || !self.pass(|pixel| allocation.goal(pixel)) {
@@ -105,7 +106,7 @@ impl Picture<'_> {
         }
     }
 
-    /// In squared levels.
+    /// Returns the estimated mean squared error in squared levels.
     fn mean_square_error(&self) -> f64 {
         self.errors().estimate().map_or(0.0, |estimate| estimate.levels.rmse.powi(2))
     }
@@ -114,13 +115,13 @@ impl Picture<'_> {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Brings every pixel to `goal` samples in each half; false if there was no time for all of them.
+    /// Takes samples until every pixel has `goal` of them in each half. Returns false if there was no time for all.
     fn pass(&mut self, goal: impl Fn(usize) -> u32 + Sync) -> bool {
         let done = AtomicUsize::new(0);
         let pass = self.passes;
         self.passes += 1;
         self.tiles.par_iter().for_each(|tile| {
-            // A poisoned lock means that another thread has panicked, and that panic is on its way up.
+            // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
                 self.advance_tile(&mut tile, pass, &goal);
                 self.progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, self.tiles.len());
@@ -156,10 +157,10 @@ impl Picture<'_> {
         tile.counts += tracer.take_counts();
     }
 
-    /// Adds the places of samples of both halves.
+    /// Adds the places of samples of both halves of a pixel.
     fn add_places(&self, pixel: (u32, u32), pass: u32, samples: Range<u32>, places: &mut Vec<Place>) {
         let sampler = self.options.measure.sampler;
-        // A stratified set is whole or worthless, so every pass begins another one.
+        // A stratified set cannot be extended, so every pass begins new sets.
         let is_stratified = sampler == SamplerKind::Stratified;
         let (first_set, samples) = if is_stratified { (2 * pass, 0..samples.len() as u32) } else { (0, samples) };
         let pattern = SamplePattern::new(sampler, samples.len().max(1) as u32);
@@ -169,8 +170,8 @@ impl Picture<'_> {
         }
     }
 
-    /// Takes a few samples of every pixel to see where more are needed. Returns the variance of single samples in
-    /// squared levels, or nothing if there was no time.
+    /// Takes a few samples of every pixel, to find out where more are needed. Returns for each pixel the variance of
+    /// a sample in squared levels, or `None` if there was no time.
     fn pilot(&mut self) -> Option<Vec<f32>> {
         let width = self.options.width as usize;
         let variances = Mutex::new(vec![0.0; width * self.options.height as usize]);
@@ -187,7 +188,7 @@ impl Picture<'_> {
                 tracer.trace(self.maker.grid, &places, &mut seen);
                 let Ok(mut variances) = variances.lock() else { return };
                 for (&(x, row), seen) in pixels.iter().zip(seen.chunks(PILOT_SAMPLES as usize)) {
-                    variances[row as usize * width + x as usize] = shown_variance(seen);
+                    variances[row as usize * width + x as usize] = displayed_variance(seen);
                 }
             }
             tile.counts += tracer.take_counts();
@@ -213,7 +214,7 @@ impl Picture<'_> {
         ErrorSums::total(&parts.collect::<Vec<_>>())
     }
 
-    /// Turns samples into pixels. Those without samples show the preview.
+    /// Turns samples into pixels. Pixels without samples show the preview.
     fn finish(self, preview: Option<Preview>) -> Frame {
         let estimate = self.errors().estimate();
         let planes = Planes::wanted_by(self.options);
@@ -241,8 +242,8 @@ impl Picture<'_> {
     }
 }
 
-/// The variance of what a few samples show, in squared levels, as the mean over the channels.
-fn shown_variance(seen: &[Seen]) -> f32 {
+/// Returns the variance of the displayed colours of a few samples, in squared levels, averaged over the channels.
+fn displayed_variance(seen: &[Seen]) -> f32 {
     let shown = |c: usize| seen.iter().map(move |seen| 255.0 * (seen.color[c] as f64).clamp(0.0, 1.0));
     let variance = |c: usize| {
         let mean = shown(c).sum::<f64>() / seen.len() as f64;

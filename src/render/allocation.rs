@@ -1,49 +1,51 @@
-//! Decides how many samples each pixel needs for the whole picture to reach an error.
+//! [`Allocation`]: how many samples each pixel needs for the whole picture to reach a target error.
 //!
 //! In: the variance within each pixel, estimated from a few *pilot* samples. Out: a number of samples for each pixel,
-//! most where they help most. The pilot samples are not part of the picture. If they were, a pixel whose first samples
-//! happen to agree would keep them and get no more, and the mean over many runs would be wrong (Kirk and Arvo, Unbiased
-//! Sampling Techniques for Image Synthesis, SIGGRAPH 1991).
+//! most where they help most. The pilot samples are not used for anything else. If they were part of the picture, or
+//! if each pixel's own samples decided when it stops, a pixel whose first samples happen to agree would keep only
+//! these, and the picture would be biased (Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH
+//! 1991).
 //!
-//! The model: n samples in each of two halves leave a squared error of s^2 / (2 n^b), s^2 the pixel's variance and b
-//! the sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). The sum of these over the pixels is smallest
-//! for a given number of samples where n is proportional to (s^2)^(1/(1 + b)).
+//! The model: with n samples in each of two halves the squared error of a pixel is s^2 / (2 n^b), where s^2 is the
+//! pixel's variance and b the sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). For a
+//! given number of samples, the sum over all pixels is smallest if n is proportional to (s^2)^(1/(1 + b)).
 
 use rayon::prelude::*;
 
-/// Pilot samples a pixel.
+/// Number of pilot samples a pixel.
 pub const PILOT_SAMPLES: u32 = 4;
-/// No pixel gets more than this in each half: they are held in memory together.
+/// Largest number of samples in each half of a pixel: all samples of a pixel are in memory at the same time.
 const MAX_SAMPLES_A_HALF: u32 = 1 << 15;
 
-/// The least variance that a pixel is taken to have (in squared byte levels, of one sample). So what the pilot has
-/// missed is found in the end, when nothing else is left to improve.
+/// Least variance of a sample, in squared byte levels. Pixels where the pilot has seen no variance get at least this,
+/// so that details it has missed are found at last.
 const LEAST_VARIANCE: f32 = 1.0;
 
-/// Weights are rounded to so many steps a doubling, so that sums over all pixels are sums over a few steps.
+/// Weights are rounded to this many steps a doubling, so that sums over all pixels become sums over a few steps.
 const STEPS: f64 = 16.0;
 
-/// What is known before sampling.
+/// The model of the error, and the number of samples of each pixel.
 #[derive(Debug)]
 pub struct Allocation {
-    /// The weight (s^2)^(1/(1 + b)) of each pixel, s in levels, as its logarithm in steps.
+    /// For each pixel the logarithm of its weight (s^2)^(1/(1 + b)), s in levels, in steps.
     steps: Vec<u8>,
     /// The sum of s^2 over the pixels of each step.
     variances: Vec<f64>,
     order: f64,
-    /// Samples in each half of a pixel are this times its weight.
+    /// Number of samples in each half of a pixel, divided by the pixel's weight.
     scale: f64,
-    /// How many times larger the error has turned out to be than the model says.
+    /// The measured error divided by the error of the model.
     calibration: f64,
 }
 
-/// The weight of a step.
+/// Returns the weight of a step.
 fn weight(step: usize) -> f64 {
     (step as f64 / STEPS).exp2()
 }
 
 impl Allocation {
-    /// `variances` are those of single samples in squared levels, one a pixel, rows of `width`.
+    /// Makes an allocation from the variance of a sample in each pixel, in squared levels, rows of `width`. `order`
+    /// is the convergence order.
     pub fn new(variances: &[f32], width: usize, order: f64) -> Self {
         let steps_a_doubling = (STEPS / (1.0 + order)) as f32;
         let steps: Vec<u8> = pooled(variances, width)
@@ -55,12 +57,12 @@ impl Allocation {
         Self { steps, variances: sums, order, scale: 0.0, calibration: 1.0 }
     }
 
-    /// Samples in each half of a pixel, at the present scale.
+    /// Returns the number of samples in each half of a pixel.
     pub fn goal(&self, pixel: usize) -> u32 {
         goal(weight(usize::from(self.steps[pixel])) * self.scale)
     }
 
-    /// The mean squared error in levels that the model expects with this scale.
+    /// Returns the mean squared error of the model at a scale, in squared levels.
     fn expected(&self, scale: f64) -> f64 {
         let error = |(step, variance): (usize, &f64)| {
             variance / (2.0 * f64::from(goal(weight(step) * scale)).powf(self.order))
@@ -68,7 +70,7 @@ impl Allocation {
         self.variances.iter().enumerate().map(error).sum::<f64>() / self.steps.len() as f64
     }
 
-    /// The mean squared error has turned out to be `measured` (squared levels).
+    /// Sets the calibration so that the model gives the measured mean squared error, in squared levels.
     pub fn calibrate(&mut self, measured: f64) {
         let expected = self.expected(self.scale);
         if measured > 0.0 && expected > 0.0 {
@@ -76,16 +78,16 @@ impl Allocation {
         }
     }
 
-    /// Raises the scale until the model, as calibrated, expects a mean squared error below `aim` (squared levels).
-    /// False where no pixel may get more samples than it has.
+    /// Raises the scale until the calibrated model gives a mean squared error below `aim`, in squared levels. Returns
+    /// false if no pixel may get more samples.
     pub fn raise(&mut self, aim: f64) -> bool {
         let least = self.variances.iter().position(|&variance| variance > 0.0).unwrap_or(0);
         if weight(least) * self.scale >= f64::from(MAX_SAMPLES_A_HALF) {
             return false;
         }
         let old = self.scale;
-        // At least a little more, so that every pass is worth its overhead. Not too much more: the error is only an
-        // estimate.
+        // At least a little more, so that every pass is worth its overhead. Not very much more, because the
+        // calibration may still be wrong.
         let (mut low, mut high) = if old == 0.0 { (1e-6, 1e6) } else { (1.2 * old, 16.0 * old) };
         for _ in 0..40 {
             let middle = (low * high).sqrt();
@@ -96,7 +98,7 @@ impl Allocation {
     }
 }
 
-/// A number of samples: rounded up to a power of two or one and a half of it, which Sobol's sequence spreads well.
+/// Rounds a number of samples up to 2^k or 1.5 * 2^k, which Sobol's sequence distributes evenly.
 fn goal(wanted: f64) -> u32 {
     if wanted <= 1.0 {
         return 1;
@@ -110,7 +112,8 @@ fn goal(wanted: f64) -> u32 {
     if wanted <= between { between } else { power }
 }
 
-/// The variance of a pixel as its surroundings suggest it: edges run on from pixel to pixel, and four samples miss many.
+/// Averages variances over neighbouring pixels: an edge crosses many pixels, and four samples of one pixel often miss
+/// it.
 fn pooled(variances: &[f32], width: usize) -> Vec<f32> {
     const OWN: f32 = 4.0;
     const BESIDE: f32 = 1.0;
@@ -138,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_are_round_and_enough() {
+    fn goals_are_rounded_up() {
         for (wanted, expected) in
             [(0.0, 1), (1.0, 1), (1.1, 2), (2.5, 3), (3.5, 4), (5.0, 6), (6.5, 8), (1e9, 1 << 15)]
         {
@@ -159,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_larger_error_than_expected_asks_for_more() {
+    fn calibration_with_a_larger_error_gives_more_samples() {
         let mut allocation = Allocation::new(&[100.0; 16], 4, 1.0);
         allocation.raise(4.0);
         let before = allocation.goal(0);

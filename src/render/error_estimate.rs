@@ -1,29 +1,29 @@
-//! Estimates how wrong a sampled picture is, from its own samples.
+//! [`ErrorEstimate`]: the error of a sampled picture, estimated from its own samples.
 //!
-//! A pixel's samples come in R sets that are independent of each other, and its colour is the mean of the sets' means.
-//! How much those differ among themselves tells the variance of the colour, whatever the sampler does within a set:
+//! A pixel's samples are R independent sets, and its colour is the mean of the sets' means. The differences of these
+//! means give the variance of the colour, for any sampler within a set:
 //!
 //! v = sum of (mean of set r - mean)^2 over r / (R (R - 1))
 //!
-//! is without bias. (The usual formula, taken over all samples of a set, would be far too large for stratified and
-//! Sobol samples.) The independent sampler's sets are its samples; the others' are two halves.
+//! This estimate is unbiased. (The usual formula over all samples of a set would be far too large for stratified and
+//! Sobol samples.) For the independent sampler each sample is a set; the other samplers have two halves.
 //!
-//! What is estimated is the error that this very picture has, not what its like have on average: the root of the mean
-//! of (colour - expected colour)^2 over all pixels and channels. In *linear* values colours are as traced, neither
-//! clamped nor rounded; in *levels* both colours are clamped to \[0, 1\] and multiplied by 255, but not truncated to
-//! whole numbers.
+//! The estimate is about the error of this one picture, not about the average of many: the root of the mean of
+//! (colour - expected colour)^2 over all pixels and channels. *Linear* values are colours as traced, neither clamped
+//! nor rounded. *Levels* are colours clamped to \[0, 1\] and multiplied by 255, but not truncated to whole numbers.
 //!
-//! The interval: the sum of v and the sum of squared errors differ by a sum of independent terms, one a pixel: products
-//! of the errors of different sets, with mean 0 and variance 2 V^2 R / (R - 1), V being the true variance of the colour
-//! (for R = 2 the term is -(a b) with a and b the errors of the halves: 4 V^2). V^2 is not known, but v^2 is
-//! V^2 (1 + (k - 3) / R + 2 / (R - 1)) in the mean, where k is the kurtosis of a set's mean: 3 for a normal
-//! distribution, 1 at least. We take 2, as edges make it, and err on the side of a wide interval where errors are rare
-//! and large. With two halves the two sums can change places (exchange b and -b), so their ratio is as likely to be
-//! some factor too large as too small: the interval is symmetric on a logarithmic scale.
+//! The interval: the sum of v and the sum of squared errors differ by a sum of independent terms, one a pixel. The
+//! terms are products of the errors of different sets. They have mean 0 and variance 2 V^2 R / (R - 1), where V is
+//! the true variance of the colour. (For R = 2 the term is -(a b) with a and b the errors of the halves: 4 V^2.) V^2
+//! is not known, but the mean of v^2 is V^2 (1 + (k - 3) / R + 2 / (R - 1)), where k is the kurtosis of a set's mean:
+//! 3 for a normal distribution, at least 1. We take 2, which is typical of edges; where errors are rare and large,
+//! the interval becomes too wide rather than too narrow. With two halves the two sums can change places (exchange b
+//! and -b), so their ratio is as likely to be too large by some factor as too small: the interval is symmetric on a
+//! logarithmic scale.
 
 use vecmath::Vector3;
 
-/// An estimated root mean square error, and where the true one lies with 95% probability.
+/// An estimated root mean square error, and the interval that contains the true one with 95% probability.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Interval {
     pub rmse: f64,
@@ -40,7 +40,7 @@ pub struct ErrorEstimate {
     pub levels: Interval,
 }
 
-/// Sums over pixels.
+/// Sums over pixels, from which the error is estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ErrorSums {
     pixels: u64,
@@ -50,17 +50,17 @@ pub struct ErrorSums {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Of the mean of v over the channels.
+    /// Sum of v, averaged over the channels.
     variances: f64,
-    /// Of the variance of the difference from the true squared error.
+    /// Sum of the variances of the difference between v and the true squared error.
     squares: f64,
 }
 
 impl Sums {
-    fn add(&mut self, variances: [f64; 3], spread: f64) {
+    fn add(&mut self, variances: [f64; 3], relative_variance: f64) {
         let variance = variances.iter().sum::<f64>() / 3.0;
         self.variances += variance;
-        self.squares += spread * variance * variance;
+        self.squares += relative_variance * variance * variance;
     }
 
     fn merge(&mut self, other: &Self) {
@@ -69,7 +69,7 @@ impl Sums {
     }
 
     fn interval(&self, pixels: f64, unit: f64) -> Interval {
-        /// 95% of a normal distribution lie within so many standard deviations.
+        /// Number of standard deviations within which 95% of a normal distribution lie.
         const TWO_SIDED: f64 = 1.959_964;
         if self.variances <= 0.0 {
             return Interval::default();
@@ -83,28 +83,28 @@ impl Sums {
     }
 }
 
-/// The variance of the difference between v and the squared error, as a multiple of v^2.
-fn spread(sets: f64) -> f64 {
+/// Returns the variance of the difference between v and the squared error, as a multiple of v^2.
+fn relative_variance(sets: f64) -> f64 {
     const KURTOSIS: f64 = 2.0;
     2.0 * sets / (sets - 1.0) / (1.0 + (KURTOSIS - 3.0) / sets + 2.0 / (sets - 1.0))
 }
 
 impl ErrorSums {
-    /// Adds a pixel whose sets' means differ by `deviations` (per channel, the sum of squares of their differences from
-    /// `mean`), and returns its standard error in levels.
+    /// Adds a pixel, and returns its standard error in levels. `deviations` is for each channel the sum of squared
+    /// differences of the sets' means from `mean`.
     pub fn add(&mut self, mean: Vector3, deviations: [f64; 3], sets: u32) -> f64 {
         let sets = f64::from(sets);
         let linear = deviations.map(|sum| sum / (sets * (sets - 1.0)));
         let mean = mean.to_array().map(|c| c as f64);
         let levels = [0, 1, 2].map(|c| clamped_variance(mean[c], linear[c]));
-        let spread = spread(sets);
+        let relative_variance = relative_variance(sets);
         self.pixels += 1;
-        self.linear.add(linear, spread);
-        self.levels.add(levels, spread);
+        self.linear.add(linear, relative_variance);
+        self.levels.add(levels, relative_variance);
         255.0 * (levels.iter().sum::<f64>() / 3.0).sqrt()
     }
 
-    /// [`add`](Self::add) for two sets.
+    /// Adds a pixel of two halves, and returns its standard error in levels.
     pub fn add_halves(&mut self, halves: [Vector3; 2]) -> f64 {
         let mean = (halves[0] + halves[1]) * 0.5;
         let half_difference = (halves[0] - halves[1]) * 0.5;
@@ -112,7 +112,7 @@ impl ErrorSums {
         self.add(mean, deviations, 2)
     }
 
-    /// The sum of parts, in their order, for sums depend on it.
+    /// Adds parts up in their order, because rounding depends on the order.
     pub fn total(parts: &[Self]) -> Self {
         let mut total = Self::default();
         parts.iter().for_each(|part| total.merge(part));
@@ -125,7 +125,7 @@ impl ErrorSums {
         self.levels.merge(&other.levels);
     }
 
-    /// `None` without pixels.
+    /// Returns the estimate; `None` without pixels.
     pub fn estimate(&self) -> Option<ErrorEstimate> {
         let pixels = self.pixels as f64;
         (self.pixels > 0).then(|| ErrorEstimate {
@@ -135,7 +135,7 @@ impl ErrorSums {
     }
 }
 
-/// The mean square of what is left of an error of +-sqrt(`variance`) after the true and the shown value are clamped.
+/// Returns the mean squared error that remains of an error of +-sqrt(`variance`) after both values are clamped.
 fn clamped_variance(mean: f64, variance: f64) -> f64 {
     let error = variance.sqrt();
     let shown = mean.clamp(0.0, 1.0);
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_clamped_away_is_no_error() {
+    fn errors_outside_the_clamped_range_do_not_count() {
         assert_eq!(clamped_variance(0.5, 0.01), 0.01);
         assert_eq!(clamped_variance(3.0, 1.0), 0.0);
         assert_eq!(clamped_variance(-1.0, 0.25), 0.0);

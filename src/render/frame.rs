@@ -1,37 +1,37 @@
-//! [`Frame`]: what rendering gives.
+//! [`Frame`]: the result of rendering.
 
 use super::error_estimate::ErrorEstimate;
 use crate::film::Film;
 use crate::ray_counts::RayCounts;
 use std::time::Duration;
 
-/// The pixels of a picture, and what they cost.
+/// The pixels of a picture, and their cost.
 #[derive(Debug)]
 pub struct Frame {
     pub film: Film,
-    /// The rays traced for it.
+    /// Rays traced.
     pub counts: RayCounts,
     pub samples: SampleCounts,
-    /// How wrong the colours are; `None` where nothing is random, or too few samples were taken to tell.
+    /// The estimated error of the colours; `None` without random samples, or with too few of them.
     pub estimate: Option<ErrorEstimate>,
-    /// Time that all threads together spent on turning samples into pixels; zero unless it was measured.
+    /// Time spent on turning samples into pixels, summed over all threads; zero unless it was measured.
     pub filter: Duration,
 }
 
-/// How many samples the pixels of a picture got.
+/// The numbers of samples of a picture's pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SampleCounts {
     pub pixels: u64,
     pub total: u64,
-    /// In any pixel; `None` without pixels.
+    /// The smallest number of any pixel; `None` without pixels.
     pub least: Option<u32>,
     pub most: u32,
-    /// Passes over the picture; 0 where the number of samples was known before.
+    /// Passes of adaptive sampling; 0 if the number of samples was known before.
     pub passes: u32,
 }
 
 impl SampleCounts {
-    /// The same number in every pixel.
+    /// Makes counts with the same number in every pixel.
     pub fn even(pixels: u64, samples: u32) -> Self {
         Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, passes: 0 }
     }
@@ -43,7 +43,7 @@ impl SampleCounts {
         self.most = self.most.max(samples);
     }
 
-    /// Samples a pixel.
+    /// Returns the mean number of samples a pixel.
     pub fn mean(&self) -> f64 {
         self.total as f64 / self.pixels.max(1) as f64
     }

@@ -1,8 +1,8 @@
-//! [`Scene`](crate::scene::Scene) in, [`Frame`] out: which rays, in which order, and what becomes of what they see.
-//! [`tracer`] does the tracing.
+//! The renderer: [`Scene`](crate::scene::Scene) in, [`Frame`] out. It makes rays of pixels, and pixels of what the
+//! rays see. [`tracer`] traces the rays.
 //!
-//! Either every pixel gets the same number of samples ([`render_uniform`]), or as many as an error or a time limit asks
-//! for ([`render_adaptive`]).
+//! Either every pixel gets the same number of samples ([`render_uniform`]), or a target error or a time limit decides
+//! their number ([`render_adaptive`]).
 
 mod adaptive;
 mod allocation;

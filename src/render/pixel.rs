@@ -1,4 +1,4 @@
-//! [`Pixel`]: what a ray saw as pictures show it, and how several of them become one.
+//! [`Pixel`]: the displayed values of what a ray saw, and their mean.
 
 use crate::film::Film;
 use crate::trace::Seen;
@@ -16,8 +16,8 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Takes what a ray saw a ray saw. Maps depths from `depth_range` to \[0, 1\]; a range without extent is black. Depth and normal
-    /// stay as they are where no picture shows them.
+    /// Sets the pixel to what a ray saw. Maps depths from `depth_range` to \[0, 1\]; an empty range gives 0. Depth
+    /// and normal are not changed if no picture shows them.
     #[inline]
     pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
         let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
@@ -31,7 +31,7 @@ impl Pixel {
         }
     }
 
-    /// Ready to be averaged: a colour that is NaN counts as 0, an infinite one as the largest `f32`.
+    /// Returns the pixel with finite colours, so that it can be averaged: NaN becomes 0, infinity the largest `f32`.
     #[must_use]
     pub fn sanitized(mut self) -> Self {
         const LARGEST: Real = f32::MAX as Real;
@@ -46,14 +46,14 @@ impl Pixel {
     }
 }
 
-/// The mean of `count` pixels.
+/// Returns the mean of `count` pixels.
 pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
     let mut mean = Pixel::default();
     pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
     mean
 }
 
-/// A 3 x 3 block of pixels, weighted (1 2 1; 2 4 2; 1 2 1)/16.
+/// Filters a 3 x 3 block of pixels with the Gaussian weights (1 2 1; 2 4 2; 1 2 1)/16.
 pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
     let mut mean = Pixel::default();
@@ -61,7 +61,7 @@ pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     mean
 }
 
-/// Stores pixels in a film of as many, row by row.
+/// Stores the pixels of a whole film, row by row.
 pub fn store(pixels: &[Pixel], film: &mut Film) {
     film.set_colors(pixels.iter().map(|pixel| pixel.color));
     film.set_normals(pixels.iter().map(|pixel| pixel.normal));
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_filter_weighs_the_middle_most() {
+    fn the_filter_weights_sum_to_one_and_are_largest_in_the_middle() {
         let mut block = [Pixel::default(); 9];
         block[4].color = Vector3::splat(1.0);
         assert_eq!(filtered(block.into_iter()).color, Vector3::splat(0.25));
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_averaged_as_a_number() {
+    fn nan_and_infinity_become_finite_before_averaging() {
         let pixel = Pixel { color: Vector3::new(Real::NAN, Real::INFINITY, -1.0), ..Pixel::default() };
         let largest = f32::MAX as Real;
         assert_eq!(pixel.sanitized().color, Vector3::new(0.0, largest, -1.0));

@@ -1,4 +1,4 @@
-//! [`Preview`]: a coarse picture, so that there is a whole one whenever the time is over.
+//! [`Preview`]: a coarse picture for pixels that get no sample before the time limit.
 
 use super::pixel::Pixel;
 use super::rays::RayMaker;
@@ -10,16 +10,16 @@ use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// A few pixels, evenly spread.
+/// One traced pixel for each square of pixels.
 pub struct Preview {
-    /// Pixels of the picture between its pixels.
+    /// Side of a square in pixels.
     step: u32,
     rows: Vec<Vec<Pixel>>,
     pub counts: RayCounts,
 }
 
 impl Preview {
-    /// Takes one sample, of this set, in every so many pixels.
+    /// Takes one sample of sample set number `set` in each square of pixels.
     pub fn render(scene: &Scene, plan: &Plan, options: &Options, maker: &RayMaker, set: u32) -> Self {
         let step = step(options.width, options.height);
         let columns = options.width.div_ceil(step);
@@ -43,13 +43,13 @@ impl Preview {
         Self { step, rows: rows.into_iter().map(|row| row.0).collect(), counts }
     }
 
-    /// What it shows in place of a pixel of the picture.
+    /// Returns the traced pixel of the square that a pixel lies in.
     pub fn pixel(&self, (x, row): (u32, u32)) -> Pixel {
         self.rows[(row / self.step) as usize][(x / self.step) as usize]
     }
 }
 
-/// Every how many pixels along each side one is traced: so few in all that they take no time, whatever the picture's size.
+/// Returns the side of the squares: so large that the preview takes almost no time, whatever the picture's size.
 fn step(width: u32, height: u32) -> u32 {
     const MOST_PIXELS: u64 = 4096;
     let pixels = u64::from(width) * u64::from(height);

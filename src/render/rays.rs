@@ -1,4 +1,4 @@
-//! From pixels to rays: which samples, where, and how what they see is displayed.
+//! [`RayMaker`]: makes the rays of a pixel, and pixels of what rays see.
 
 use super::pixel::Pixel;
 use super::samples::{SamplePattern, SampleSet};
@@ -7,13 +7,13 @@ use crate::options::{Options, SamplerKind};
 use crate::trace::Seen;
 use vecmath::Real;
 
-/// How the samples of a pixel of the traced grid are divided into sets that are independent of each other.
+/// How the samples of a pixel of the traced grid are divided into independent sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetSizes {
-    /// All together, which tells nothing about their error.
+    /// One set of all samples, which says nothing about their error.
     One(u32),
     Halves(u32, u32),
-    /// Every sample by itself, placed as in one set.
+    /// Every sample is a set of its own. The samples are those of [`One`](Self::One).
     Singles(u32),
 }
 
@@ -33,7 +33,7 @@ pub struct RayMaker {
     /// The grid that is traced: three times as fine with `-filter`.
     pub grid: PixelGrid,
     is_filtered: bool,
-    /// If there is a picture of depths.
+    /// `None` without a picture of depths.
     depth_range: Option<(Real, Real)>,
     shows_normals: bool,
     /// `None`: one sample in the corner of the pixel.
@@ -70,9 +70,9 @@ impl RayMaker {
         }
     }
 
-    /// The place of a sample of a pixel of the picture. Where that is a filtered block of the traced grid, the sample
-    /// falls into the block's pixels as often as the filter weighs them, so that the mean over all samples is the
-    /// same as with a mean for each of them, and any number of samples will do.
+    /// Returns the place of a sample of a pixel of the picture. With `-filter` such a pixel is a block of the traced
+    /// grid. A sample falls into a pixel of the block with a probability equal to the filter's weight there. So the
+    /// mean of any number of samples is an estimate of the filtered block.
     pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> Place {
         let offset = set.offset(sample);
         if !self.is_filtered {
@@ -82,21 +82,22 @@ impl RayMaker {
         self.grid.place((3 * x + column, 3 * row + line), (offset_x, offset_y))
     }
 
-    /// What a ray saw as the pictures show it.
+    /// Returns the pixel that shows what a ray saw.
     pub fn displayed(&self, seen: &Seen) -> Pixel {
         let mut pixel = Pixel::default();
         self.display(seen, &mut pixel);
         pixel
     }
 
-    /// The same, in place of a pixel of zeros.
+    /// Does the same in place; `pixel` must be the default pixel.
     #[inline]
     pub fn display(&self, seen: &Seen, pixel: &mut Pixel) {
         pixel.show(seen, self.depth_range, self.shows_normals);
     }
 }
 
-/// One of the three weights (1 2 1)/4, and the place in it, of a place in the whole.
+/// Divides the interval from 0 to 1 in the ratio 1 : 2 : 1, and returns the part in which a place lies and the place
+/// in that part.
 fn weighted_third(place: Real) -> (u32, Real) {
     if place < 0.25 {
         (0, 4.0 * place)
@@ -112,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn thirds_are_met_as_often_as_they_weigh() {
+    fn places_fall_into_thirds_by_their_weights() {
         let mut counts = [0; 3];
         for step in 0..400 {
             let (third, place) = weighted_third((step as Real + 0.5) / 400.0);

@@ -1,13 +1,13 @@
-//! Places samples in their pixel. The place is a pure function of pixel, sample number and seed, so that every order of
-//! work gives the same picture.
+//! Samplers: the position of a sample in its pixel. It depends only on pixel, sample number and seed, so that every
+//! order of work gives the same picture.
 //!
-//! Each sampler gives any number of samples. Every sample by itself is uniform in the pixel, so the mean has no bias
-//! whatever their number. The samplers differ in how evenly the samples of a pixel are spread together.
+//! Each sampler gives any number of samples. Each single sample is uniform in the pixel, so that the mean is unbiased
+//! for any number of samples. The samplers differ in how evenly the samples of a pixel are distributed together.
 
 use crate::options::SamplerKind;
 use vecmath::Real;
 
-/// Makes sets of a certain number of samples.
+/// A sampler and the number of samples in a set.
 #[derive(Clone, Copy, Debug)]
 pub struct SamplePattern {
     kind: SamplerKind,
@@ -15,20 +15,20 @@ pub struct SamplePattern {
 }
 
 impl SamplePattern {
-    /// Sets of `count` samples, which must not be 0; only the stratified sampler needs to know how many.
+    /// Makes a pattern for sets of `count` samples, which must not be 0. Only the stratified sampler uses `count`.
     pub fn new(kind: SamplerKind, count: u32) -> Self {
         Self { kind, cells: Cells::new(count) }
     }
 
-    /// A set of samples of a pixel. Sets of different numbers are independent of each other.
+    /// Returns a set of samples of a pixel. Sets with different numbers are independent.
     pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {
-        // Set 0 of 16 stratified samples is what the default picture is made of.
+        // Set 0 uses the seed as it is, so that the default pictures keep their samples.
         let seed = if set == 0 { seed } else { mixed(seed ^ u64::from(set).rotate_left(40)) };
         SampleSet { pattern: self, pixel_bits: mixed(seed ^ mixed(u64::from(x) << 32 | u64::from(row))) }
     }
 }
 
-/// Samples of one pixel that are spread together.
+/// A set of samples of one pixel, chosen together to cover the pixel evenly.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleSet<'a> {
     pattern: &'a SamplePattern,
@@ -36,11 +36,11 @@ pub struct SampleSet<'a> {
 }
 
 impl SampleSet<'_> {
-    /// The offset of a sample from its pixel, in pixels, both in \[0, 1).
+    /// Returns the offset of a sample from its pixel, in pixels, both in \[0, 1).
     pub fn offset(&self, sample: u32) -> (Real, Real) {
         match self.pattern.kind {
             SamplerKind::Independent => {
-                // Not the bits of the stratified sampler, so that the samplers' pictures can be compared.
+                // Other bits than the stratified sampler's, so that pictures of both are independent.
                 let (x, y) = self.random(u64::from(sample) ^ 0x6a09_e667_f3bc_c908);
                 (x.min(BELOW_ONE), y.min(BELOW_ONE))
             }
@@ -49,7 +49,7 @@ impl SampleSet<'_> {
                 self.pattern.cells.cell(sample).place(x, y)
             }
             SamplerKind::Sobol => {
-                // The crate's sequence has 2^16 points; further ones come from a sequence of its own.
+                // The crate's sequence has 2^16 points; the next 2^16 points are another sequence.
                 let lap = u64::from(sample >> 16);
                 let seed = if lap == 0 { self.pixel_bits } else { mixed(self.pixel_bits ^ lap) } as u32;
                 let point = |dimension| sobol_burley::sample(sample & 0xffff, dimension, seed) as Real;
@@ -58,7 +58,7 @@ impl SampleSet<'_> {
         }
     }
 
-    /// [`offset`](Self::offset) of all samples of the set, one after another.
+    /// Calls `f` with the [`offset`](Self::offset) of each sample of the set, in order.
     pub fn for_each_offset(&self, count: u32, mut f: impl FnMut((Real, Real))) {
         if self.pattern.kind != SamplerKind::Stratified {
             return (0..count).for_each(|sample| f(self.offset(sample)));
@@ -74,7 +74,7 @@ impl SampleSet<'_> {
     #[inline]
     fn random(&self, index: u64) -> (Real, Real) {
         let bits = mixed(self.pixel_bits.wrapping_add(index));
-        // The upper and the lower half are independent enough: every bit of the mix depends on every bit of the input.
+        // Both halves are independent enough, because every bit of the mix depends on every bit of the input.
         let unit = |half: u64| half as Real * (0.5 as Real).powi(32);
         (unit(bits >> 32), unit(bits & 0xffff_ffff))
     }
@@ -82,8 +82,8 @@ impl SampleSet<'_> {
 
 /// A pixel divided into cells of equal area.
 ///
-/// Some rows hold one cell more than the others. The height of a row is proportional to its number of cells, so that
-/// any number of cells covers the pixel with equal areas.
+/// The numbers of cells in two rows differ by at most one. The height of a row is proportional to its number of
+/// cells, so that any number of cells covers the pixel and all have the same area.
 #[derive(Clone, Copy, Debug)]
 struct Cells {
     count: u32,
@@ -109,7 +109,7 @@ impl Cells {
         Self { count, columns, in_longer_rows: (count % rows) * (columns + 1) }
     }
 
-    /// Every cell in order.
+    /// Calls `f` with each cell in order.
     #[inline]
     fn for_each(&self, mut f: impl FnMut(Cell)) {
         let mut before = 0;
@@ -131,7 +131,7 @@ impl Cells {
 }
 
 impl Cell {
-    /// The place in the pixel of a place in the cell.
+    /// Takes a place in the cell to a place in the pixel.
     fn place(&self, x: Real, y: Real) -> (Real, Real) {
         let (columns, count) = (self.columns as Real, self.count as Real);
         let x = (self.column as Real + x) / columns;
@@ -140,7 +140,7 @@ impl Cell {
     }
 }
 
-/// The whole number nearest to the root of `count`.
+/// Returns the whole number nearest to the root of `count`.
 fn nearest_root(count: u32) -> u32 {
     let root = count.isqrt();
     root + u32::from(count - root * root > root)
@@ -149,7 +149,7 @@ fn nearest_root(count: u32) -> u32 {
 /// The largest number below 1: in `f32`, 32 random bits may round up to 1.
 const BELOW_ONE: Real = 1.0 - Real::EPSILON / 2.0;
 
-/// A bijection of 64-bit numbers that scatters neighbours (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
+/// Hashes a number. It is a bijection of 64-bit numbers (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
 /// Splittable Pseudorandom Number Generators, OOPSLA 2014).
 fn mixed(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -185,7 +185,7 @@ mod tests {
                 let corners = [cell.place(0.0, 0.0), cell.place(1.0, 1.0)];
                 let area = (corners[1].0 - corners[0].0) * (corners[1].1 - corners[0].1);
                 assert!((area * count as Real - 1.0).abs() < 1e3 * Real::EPSILON, "{index} of {count}");
-                // Row by row without a gap: each cell begins where the one before it ended.
+                // Each cell begins where the cell before it ended.
                 let expected_column = if cell.before == index as u32 { 0 } else { cells[index - 1].column + 1 };
                 assert_eq!(cell.column, expected_column);
                 assert_eq!(cell.before + cell.column, index as u32);

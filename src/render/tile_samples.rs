@@ -1,4 +1,4 @@
-//! [`TileSamples`]: the samples of a tile while their number is being found out.
+//! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
 use super::error_estimate::ErrorSums;
 use super::pixel::Pixel;
@@ -9,25 +9,25 @@ use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
 
-/// Sums over the samples of each pixel of a tile, in two halves that are independent of each other.
+/// Sums over the samples of each pixel of a tile, in two independent halves.
 pub struct TileSamples {
     pub tile: Tile,
-    /// Samples in each half, a pixel.
+    /// Number of samples in each half, for each pixel.
     pub samples: Vec<u32>,
-    /// Sums of colours in each half, a pixel; empty unless colours are asked for.
+    /// Sums of colours in each half, for each pixel; empty without a colour picture.
     colors: Vec<[Vector3; 2]>,
-    /// Sums of the rest over both halves, a pixel; empty unless depths or normals are asked for.
+    /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
     pub counts: RayCounts,
 }
 
-/// Samples that a pixel is to get.
+/// Samples that a pixel needs.
 pub struct Wanted {
-    /// In the tile.
+    /// Index of the pixel in the tile.
     pub index: usize,
     /// Column and row in the picture.
     pub pixel: (u32, u32),
-    /// Their numbers in each half.
+    /// Numbers of the samples, in each half.
     pub samples: Range<u32>,
 }
 
@@ -44,7 +44,7 @@ impl TileSamples {
         }
     }
 
-    /// The pixels that have fewer samples in each half than `goal` says.
+    /// Returns the pixels that have fewer samples in each half than `goal` says.
     pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32) -> Vec<Wanted> {
         let wanted =
             |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples[index]..goal(pixel) };
@@ -67,7 +67,7 @@ impl TileSamples {
         }
     }
 
-    /// The mean of all samples of a pixel.
+    /// Returns the mean of all samples of a pixel.
     pub fn mean(&self, index: usize) -> Pixel {
         let mut mean = Pixel::default();
         let samples = 2.0 * self.samples[index] as Real;
@@ -81,12 +81,12 @@ impl TileSamples {
         mean
     }
 
-    /// The mean colours of both halves.
+    /// Returns the mean colours of both halves.
     fn halves(&self, index: usize) -> [Vector3; 2] {
         self.colors[index].map(|sum| sum / self.samples[index] as Real)
     }
 
-    /// The errors of the pixels that have samples.
+    /// Returns the errors of the pixels that have samples.
     pub fn errors(&self) -> ErrorSums {
         let mut sums = ErrorSums::default();
         for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
@@ -95,7 +95,7 @@ impl TileSamples {
         sums
     }
 
-    /// The standard errors of all pixels in levels, the largest level where there are no samples.
+    /// Returns the standard errors of all pixels in levels, the largest level where there are no samples.
     pub fn pixel_errors(&self) -> impl Iterator<Item = f64> {
         (0..self.samples.len()).map(|index| match self.samples[index] {
             0 => 255.0,

@@ -1,4 +1,4 @@
-//! The picture as tiles, and what every way to sample them shares.
+//! [`Tile`]s: the pieces of a picture that threads render.
 
 use crate::camera::PixelGrid;
 use crate::options::Options;
@@ -6,10 +6,11 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::trace::escape_direction;
 
-/// Side of a tile in pixels: small enough to share out evenly, large enough for rays to resemble their neighbours.
+/// Side of a tile in pixels: so small that all threads get the same work, so large that many neighbouring rays go
+/// together.
 const TILE: u32 = 16;
 
-/// Told about every finished tile, from any thread.
+/// Called for every finished tile, from any thread.
 pub trait Progress: Sync {
     /// `done` of `total` tiles are finished.
     fn advance(&self, done: usize, total: usize);
@@ -25,7 +26,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The tiles of a picture, row by row.
+    /// Returns the tiles of a picture, row by row.
     pub fn all(width: u32, height: u32) -> Vec<Self> {
         let rows = (0..height).step_by(TILE as usize);
         rows.flat_map(|row| (0..width).step_by(TILE as usize).map(move |x| (x, row)))
@@ -33,21 +34,22 @@ impl Tile {
             .collect()
     }
 
-    /// Columns and rows of its pixels, row by row.
+    /// Iterates over columns and rows of the tile's pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let columns = self.x..self.x + self.width;
         (self.row..self.row + self.height).flat_map(move |row| columns.clone().map(move |x| (x, row)))
     }
 }
 
-/// Decodes the cube map faces that a few rays reach. Otherwise all threads would wait at the first ray to reach each.
+/// Decodes in parallel the cube map faces that a few rays reach. Otherwise all threads would wait for one thread that
+/// decodes the first face.
 pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, options: &Options) {
-    /// Pixels along each side that are tried.
+    /// Number of pixels along each side that are traced.
     const TRIED: u32 = 16;
-    /// Mirrors that are followed.
+    /// Number of mirrors that are followed.
     const MIRRORS: u32 = 4;
     let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };
-    // Smaller pictures are finished sooner without.
+    // For a small picture this takes longer than it saves.
     if options.width < 4 * TRIED || options.height < 4 * TRIED {
         return;
     }

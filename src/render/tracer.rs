@@ -8,16 +8,16 @@ use crate::simd::{Simd, with_simd};
 use crate::trace::{Seen, trace_ray};
 use crate::wide::PacketTracer;
 
-/// Says what the camera sees. Every thread has one of its own.
+/// Traces what the camera sees. Each thread has its own tracer.
 pub trait Tracer {
-    /// Replaces `seen` by what the camera sees through each place. Places that lie side by side are traced fastest.
+    /// Replaces `seen` by what the camera sees through each place. It is fastest if places lie side by side.
     fn trace(&mut self, grid: PixelGrid, places: &[Place], seen: &mut Vec<Seen>);
 
-    /// Returns the rays traced since the last call.
+    /// Returns the counts of rays traced since the last call.
     fn take_counts(&mut self) -> RayCounts;
 }
 
-/// Makes the tracer that the plan asks for. The instruction set is chosen here, once.
+/// Makes the tracer of a plan. The instruction set is chosen here, once.
 pub fn tracer<'a>(scene: &'a Scene, plan: &'a Plan) -> Box<dyn Tracer + 'a> {
     if plan.plain {
         return Box::new(PlainTracer { scene, plan, counts: RayCounts::default() });

@@ -1,4 +1,4 @@
-//! Renders all pixels with the same number of samples each, tile by tile, over all threads.
+//! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile.
 
 use super::error_estimate::ErrorSums;
 use super::frame::{Frame, SampleCounts};
@@ -20,10 +20,12 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Rays that are made together: few enough for the processor's nearest caches, many enough to share work.
+/// Number of rays that are traced together: so few that they fit into the processor's nearest caches, so many that
+/// they share work.
 pub const RAYS_AT_ONCE: usize = PACKETS_AT_ONCE * PACKET;
 
-/// Renders the pictures of `plan`. Every pixel is a function of its place alone, so the number of threads changes nothing.
+/// Renders the pictures of `plan`. A pixel depends only on its place, so the picture is the same for any number of
+/// threads.
 pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
     let tiles = Tile::all(options.width, options.height);
     decode_faces_ahead(scene, plan, options);
@@ -35,7 +37,7 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
             || TileRenderer::new(scene, plan, options),
             |renderer, tile| {
                 let rendered = renderer.render(tile);
-                // A poisoned lock means that another thread has panicked, and that panic is on its way up.
+                // A poisoned lock means that another thread has panicked; that panic will be reported.
                 if let Ok(mut picture) = picture.lock() {
                     picture.add(tile, &rendered);
                     progress.advance(picture.tiles, tiles.len());
@@ -55,12 +57,12 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
     }
 }
 
-/// The picture in the making.
+/// The picture that is being rendered.
 struct Picture {
     film: Film,
     counts: RayCounts,
     filter: Duration,
-    /// How many are finished.
+    /// Number of finished tiles.
     tiles: usize,
 }
 
@@ -78,11 +80,11 @@ struct RenderedTile {
     film: Film,
     counts: RayCounts,
     errors: ErrorSums,
-    /// Time spent on turning samples into pixels, if it is measured.
+    /// Time spent on turning samples into pixels; zero unless it is measured.
     filter: Duration,
 }
 
-/// Turns the pixels of tiles into rays, and what the rays see into pixels.
+/// Renders tiles: makes rays of their pixels, traces them, and makes pixels of what they see.
 struct TileRenderer<'a> {
     tracer: Box<dyn Tracer + 'a>,
     maker: RayMaker,
@@ -90,10 +92,10 @@ struct TileRenderer<'a> {
     sizes: SetSizes,
     planes: Planes,
     errors: ErrorSums,
-    /// Standard errors of the tile's pixels so far, in levels; empty unless there is to be a picture of them.
+    /// Standard errors of the tile's pixels so far, in levels; empty without `-error-map`.
     pixel_errors: Vec<f64>,
     filter: Duration,
-    /// Scratch: places to be traced, and what is seen through them.
+    /// Scratch: places to trace, and what is seen through them.
     places: Vec<Place>,
     seen: Vec<Seen>,
 }
@@ -132,7 +134,7 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Adds some pixels of the picture to `resolved`.
+    /// Traces some pixels of the picture and adds them to `resolved`.
     fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) {
         self.places.clear();
         for &(x, row) in pixels {
@@ -151,7 +153,7 @@ impl<'a> TileRenderer<'a> {
         if rays_a_pixel == 1 && !self.options.jitter {
             let first = resolved.len();
             resolved.resize(first + seen.len(), Pixel::default());
-            // In place: a pixel is large, and copied more slowly than it is made.
+            // In place, because copying a pixel takes longer than making it.
             resolved[first..].iter_mut().zip(&seen).for_each(|(pixel, seen)| self.maker.display(seen, pixel));
         } else {
             resolved.extend(seen.chunks(rays_a_pixel).map(|seen| self.resolved(seen)));
@@ -160,8 +162,8 @@ impl<'a> TileRenderer<'a> {
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
     }
 
-    /// What all rays of a pixel of the picture saw, as one pixel: with `-jitter` the mean of the samples of each pixel
-    /// of the traced grid, with `-filter` the filtered block of those.
+    /// Makes one pixel of the picture of everything that its rays saw: with `-jitter` the mean of the samples of each
+    /// pixel of the traced grid, with `-filter` the filtered block of these pixels.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
         match self.sizes {
             SetSizes::One(samples) => self.mean_of(seen, 0..samples as usize),
@@ -194,7 +196,7 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// The mean of some of the samples of each pixel of the traced grid, filtered.
+    /// Returns the mean over a range of the samples of each pixel of the traced grid, filtered with `-filter`.
     fn mean_of(&self, seen: &[Seen], samples: Range<usize>) -> Pixel {
         let count = samples.len() as u32;
         let mut grid_pixels = seen.chunks(self.options.samples() as usize).map(|all| {

@@ -1,6 +1,6 @@
-//! [`Description`] in, [`Scene`] out: loads meshes, multiplies transformations out, flattens groups.
+//! [`Description`] in, [`Scene`] out: loads meshes, multiplies transforms, flattens groups.
 //!
-//! Every mistake that needs arithmetic or another file to be seen is reported here, at its place in the scene file.
+//! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
 use super::hints::Hints;
 use super::{Background, Geometry, Scene, mesh_file};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vecmath::{Matrix4, Real, Vector3};
 
-/// A scene, and what its author should know about it.
+/// A scene, and warnings about it.
 #[derive(Debug)]
 pub struct Compiled {
     pub scene: Scene,
@@ -26,7 +26,7 @@ pub struct Compiled {
     pub build: Times,
 }
 
-/// Loads and flattens what `plan` needs of a scene.
+/// Loads and flattens the parts of a scene that `plan` needs.
 ///
 /// # Errors
 /// [`Error::Source`] for a mistake in the scene or in a mesh, [`Error::File`] for a picture that cannot be read.
@@ -81,7 +81,7 @@ fn camera(description: &Description) -> Result<Camera, Error> {
     })
 }
 
-/// The lights of the plan and the ambient light.
+/// Returns the lights of the plan and the ambient light.
 fn lights(description: &Description, plan: &Plan, warnings: &mut Vec<String>) -> (Vec<Light>, Vector3) {
     let mut lights = Vec::new();
     for (index, light) in description.lights.iter().enumerate() {
@@ -103,7 +103,7 @@ fn lights(description: &Description, plan: &Plan, warnings: &mut Vec<String>) ->
     (lights, description.background.ambient_light)
 }
 
-/// The tree of objects as a list.
+/// Flattens the tree of objects to a list.
 struct Flattened<'a> {
     source: &'a Arc<SourceText>,
     folder: &'a Path,
@@ -116,7 +116,7 @@ struct Flattened<'a> {
 }
 
 impl Flattened<'_> {
-    /// `world_from_parent` is `None` outside any transform.
+    /// Adds a node and everything below it. `world_from_parent` is `None` outside any transform.
     fn add(&mut self, node: &Node, world_from_parent: Option<&Matrix4>) -> Result<(), Error> {
         match node {
             Node::Group(members) => members.iter().try_for_each(|member| self.add(member, world_from_parent)),
@@ -129,7 +129,8 @@ impl Flattened<'_> {
         }
     }
 
-    /// Steps multiply on the right, so the first is applied last; a `Matrix4f` multiplies on the left.
+    /// Multiplies the steps of a transform. A step multiplies from the right, so the first one is applied last; a
+    /// `Matrix4f` multiplies from the left, as in the starter.
     fn composed(&self, steps: &[At<TransformStep>]) -> Result<Matrix4, Error> {
         let mut product = Matrix4::IDENTITY;
         for step in steps {
@@ -175,7 +176,7 @@ impl Flattened<'_> {
         }
     }
 
-    /// The number of a mesh; each file is read once.
+    /// Returns the index of a mesh. Each file is loaded once.
     fn mesh(&mut self, obj_file: &At<String>) -> Result<u32, Error> {
         let path = self.folder.join(&obj_file.value);
         if let Some(&known) = self.files.get(&path) {
@@ -192,13 +193,13 @@ impl Flattened<'_> {
     }
 }
 
-/// Why a matrix is refused.
+/// Returns the message for a matrix without inverse.
 fn no_inverse(what: &str, matrix: &Matrix4) -> String {
     let condition = matrix.linear().condition_number();
     format!("{what} squashes space flat: its matrix has no inverse (condition number {condition:.1e})")
 }
 
-/// The matrix of one step, or what is wrong with it.
+/// Returns the matrix of one step, or the message for a mistake in it.
 fn step_matrix(step: &TransformStep) -> Result<Matrix4, &'static str> {
     match *step {
         TransformStep::Translate(offset) => Ok(Matrix4::translation(offset)),

@@ -5,16 +5,16 @@ use crate::bvh::{Bvh, TriangleBlock, build_triangle_bvh};
 use crate::objects::{Mesh, Object};
 use crate::simd::InstructionSet;
 
-/// What rays can hit. [`queries`](super::queries) has the queries of one ray.
+/// Everything that rays can hit. Its queries are in [`queries`](super::queries).
 #[derive(Debug)]
 pub struct Geometry {
-    /// In the order of the file: where two objects are hit at the same t, the first one counts.
+    /// In the order of the file: if a ray hits two objects at the same t, the first one counts.
     pub objects: Vec<Object>,
     /// Each mesh file once, however many objects are instances of it.
     pub meshes: Vec<Mesh>,
     mesh_trees: Vec<Option<Bvh<TriangleBlock>>>,
     pub object_tree: ObjectTree,
-    /// What queries are computed with.
+    /// The instruction set that queries use.
     pub instruction_set: InstructionSet,
 }
 
@@ -26,7 +26,7 @@ impl Geometry {
         Self { objects, meshes, mesh_trees, object_tree, instruction_set }
     }
 
-    /// Returns a mesh and its tree; there is none if all its triangles must be tested.
+    /// Returns a mesh and its tree. The tree is `None` if all triangles must be tested.
     pub fn mesh_and_tree(&self, index: u32) -> (&Mesh, Option<&Bvh<TriangleBlock>>) {
         (&self.meshes[index as usize], self.mesh_trees[index as usize].as_ref())
     }

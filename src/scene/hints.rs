@@ -1,7 +1,7 @@
-//! Warns the author of a scene about its numbers: where the starter's fixed distance of 0.01 does not fit, where a
-//! plane's normal is no unit vector, and where a matrix leaves few digits.
+//! Warnings about the numbers of a scene: where the starter's fixed ray offset of 0.01 does not fit, where the normal
+//! of a plane is not a unit vector, and where a matrix loses many digits.
 //!
-//! One sentence for each kind, however many objects it is about; it names the first of them.
+//! There is one sentence for each kind of warning, which names the first object concerned.
 
 use crate::error::{SourceText, Span};
 use crate::objects::{Aabb, Object, Shape};
@@ -9,7 +9,7 @@ use crate::options::Epsilon;
 use crate::plan::Plan;
 use vecmath::{Matrix4, Real, Vector3};
 
-/// The first object of each kind, and how many there are.
+/// For each kind of warning, the first object concerned and their number.
 #[derive(Default)]
 pub(super) struct Hints {
     unnormalized_planes: Found,
@@ -44,20 +44,20 @@ impl Found {
     }
 }
 
-/// Scenes of another size look wrong with rays that start 0.01 from a surface.
+/// Sizes of scenes that look right with a ray offset of 0.01.
 const SIZES: std::ops::RangeInclusive<Real> = 1.0..=1e5;
-/// Rays from one side of a wall may start on its other side when it is thinner than twice the offset.
+/// Twice the ray offset. Rays that leave one side of a thinner wall may start on its other side.
 const THIN: Real = 0.02;
-/// Half of the digits of an `f64` are lost.
+/// Condition number from which half of the digits of an `f64` are lost.
 const NEARLY_SINGULAR: Real = 1e8;
 
 impl Hints {
-    /// Notes a triangle without area, which no ray can be seen to hit.
+    /// Notes a triangle without area.
     pub fn left_out(&mut self, place: Span) {
         self.without_area.add(place, || "this triangle has no area and is left out".to_owned());
     }
 
-    /// Looks at an object on its way into the scene.
+    /// Notes the warnings about an object.
     pub fn note(&mut self, place: Span, shape: &Shape, matrix: Option<&Matrix4>, bounds: Option<&Aabb>) {
         let condition = matrix.map_or(1.0, |matrix| matrix.linear().condition_number());
         if condition > NEARLY_SINGULAR {
@@ -82,7 +82,7 @@ impl Hints {
         }
     }
 
-    /// Adds to `warnings` whatever matters for the pictures of `plan`.
+    /// Adds the warnings that matter for the pictures of `plan`.
     pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, warnings: &mut Vec<String>) {
         warnings.extend(self.without_area.sentence(source, ""));
         warnings.extend(self.nearly_singular.sentence(source, ""));
@@ -105,8 +105,8 @@ impl Hints {
     }
 }
 
-/// The smallest extent in world space of an object that has an inside, judged by its box: cheap, and right for spheres
-/// and for slabs however they are turned. A flat sheet has no inside.
+/// Returns the smallest extent of an object in world space, or infinity if it is flat and so has no inside. It is
+/// estimated from the object's box, which is exact for spheres and for slabs in any orientation.
 fn thickness(shape: &Shape, bounds: &Aabb, matrix: Option<&Matrix4>) -> Real {
     if matches!(shape, Shape::Triangle(_) | Shape::Plane(_)) {
         return Real::INFINITY;

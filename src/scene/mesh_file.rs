@@ -1,6 +1,6 @@
-//! OBJ files to [`Mesh`]es, by [`plain_obj`] where that will do, otherwise by `tobj`.
+//! Parses OBJ files into [`Mesh`]es: plain files by [`plain_obj`], all others by `tobj`.
 //!
-//! Only corners' positions are used: normals are always computed from them, and texture coordinates have no use.
+//! Only positions are used: normals are always computed from them, and texture coordinates are not needed.
 
 use super::plain_obj;
 use crate::error::{Error, SourceText, Span};
@@ -8,7 +8,7 @@ use crate::objects::Mesh;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads the OBJ file at `path`, whose bytes are given.
+/// Parses the bytes of the OBJ file at `path`.
 ///
 /// # Errors
 /// [`Error::Source`] for a mistake at a known line, [`Error::File`] for anything else.
@@ -33,7 +33,7 @@ fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
         diagnosed(path, bytes).unwrap_or_else(|| Error::file(path, format!("cannot read this mesh: {error}")))
     })?;
     let Some(model) = models.into_iter().next() else {
-        // tobj leaves out a model without faces, and any mistakes with it.
+        // tobj drops a model without faces, and does not report its mistakes.
         return diagnosed(path, bytes).map_or_else(|| Ok(Mesh::new(Vec::new(), Vec::new())), Err);
     };
     let positions: Vec<[f32; 3]> = model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
@@ -44,8 +44,8 @@ fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
     Err(diagnosed(path, bytes).unwrap_or_else(|| Error::file(path, "a coordinate is not a finite number")))
 }
 
-/// The lines that matter. Groups, objects and materials would make tobj start a new model and number its corners anew,
-/// which would tear smooth surfaces apart.
+/// Returns the lines of vertices and faces. At a group, object or material tobj would begin a new model with vertices
+/// of its own, and smooth surfaces would get a visible seam.
 fn geometry_lines(bytes: &[u8]) -> Vec<u8> {
     let mut kept = Vec::with_capacity(bytes.len());
     for line in bytes.split_inclusive(|&byte| byte == b'\n') {
@@ -57,7 +57,7 @@ fn geometry_lines(bytes: &[u8]) -> Vec<u8> {
     kept
 }
 
-/// Looks for the first line that is to blame, for tobj names none.
+/// Finds the first line with a mistake, because tobj does not name it.
 fn diagnosed(path: &Path, bytes: &[u8]) -> Option<Error> {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let source = Arc::new(SourceText { path: path.to_owned(), text });
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_and_texture_seams_do_not_tear_the_surface() {
+    fn surfaces_are_smooth_across_groups_and_texture_seams() {
         let roof = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 -1 0\nvt 0 0\nvt 1 1\n";
         let mesh = mesh(&format!("{roof}g one\nf 1/1 2/1 3/1\ng two\nf 1/2 4/2 2/2\n"));
         let normal = mesh.normal(0, [1.0, 0.0, 0.0]);

@@ -1,7 +1,7 @@
-//! [`Scene`]: what rays meet. Flat, immutable, shared by all threads.
+//! [`Scene`]: everything that rays can meet. It is flat and immutable, and all threads share it.
 //!
-//! [`compile()`] makes one of a [`Description`](crate::scene_file::Description) and a [`Plan`](crate::plan::Plan): it
-//! loads meshes and multiplies transformations out.
+//! [`compile()`] makes a scene of a [`Description`](crate::scene_file::Description) and a
+//! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
 mod compile;
 mod geometry;
@@ -23,7 +23,7 @@ use crate::light::Light;
 use crate::material::Material;
 use vecmath::Vector3;
 
-/// What surrounds everything: seen by every ray that meets no object.
+/// The background, seen by every ray that hits no object.
 #[derive(Debug)]
 pub struct Background {
     pub color: Vector3,
@@ -31,7 +31,7 @@ pub struct Background {
 }
 
 impl Background {
-    /// How many faces of the cube map rays have reached and decoded.
+    /// Returns the number of cube map faces that were decoded because rays reached them.
     ///
     /// # Errors
     /// [`Error::File`] for the first face that could not be decoded.
@@ -42,7 +42,7 @@ impl Background {
     }
 }
 
-/// Everything a ray can meet, ready to be met.
+/// Everything that rays can meet.
 #[derive(Debug)]
 pub struct Scene {
     pub camera: Camera,
@@ -51,12 +51,12 @@ pub struct Scene {
     pub background: Background,
     pub materials: Vec<Material>,
     pub geometry: Geometry,
-    /// Whether no mirror makes what it shows brighter in any component.
+    /// Whether no mirror makes its mirror image brighter, in any component.
     pub throughput_never_grows: bool,
 }
 
 impl Background {
-    /// Returns what a ray that leaves the scene in this direction sees.
+    /// Returns the colour that a ray sees if it leaves the scene in this direction.
     pub fn color(&self, direction: Vector3) -> Vector3 {
         self.cube_map.as_ref().map_or(self.color, |cube_map| cube_map.color(direction))
     }

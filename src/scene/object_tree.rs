@@ -10,10 +10,10 @@ use vecmath::Real;
 /// keep it from culling all others.
 const LARGEST_SIDEWAYS_ERROR: Real = 1e-9;
 
-/// Up to so many bounded objects need no tree.
+/// Largest number of bounded objects that a loop tests faster than a tree.
 pub const LOOP_OBJECTS: usize = 16;
 
-/// Which objects are tested for every ray, and a tree of the others.
+/// The objects that are tested for every ray, and a tree of the others.
 #[derive(Debug)]
 pub struct ObjectTree {
     /// Indices of the objects outside the tree: planes, and everything in a small scene.

@@ -1,8 +1,8 @@
-//! Reads plain OBJ files by all threads at once.
+//! Parses plain OBJ files by all threads in parallel.
 //!
-//! Plain is what nearly all files consist of: `v x y z`, `vt`, `vn`, `f` with positive indices. Anything else, mistakes
-//! included, makes it give up. Then [`mesh_file`](super::mesh_file) reads the file by `tobj`, which is some ten times
-//! slower. Both give the same mesh.
+//! A plain file consists of `v x y z`, `vt`, `vn` and `f` with positive indices, as nearly all files do. At anything
+//! else, mistakes included, this parser gives up. Then [`mesh_file`](super::mesh_file) parses the file with `tobj`,
+//! about ten times slower. Both give the same mesh.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,21 +10,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Positions and triangles of a mesh.
 pub type Geometry = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Bytes of a piece, about.
+/// Size of a piece of a file in bytes, about.
 const PIECE: usize = 1 << 18;
 
-/// What a piece of a file holds.
+/// The content of a piece of a file.
 #[derive(Default)]
 struct Piece {
     positions: Vec<[f32; 3]>,
-    /// Numbers of positions, from 0.
+    /// Indices of positions, from 0.
     triangles: Vec<[u32; 3]>,
-    /// Texture coordinates and normals: how many there are, and the largest number of one that a corner names.
+    /// For texture coordinates and for normals: their number, and the largest index (from 1) in a face.
     others: [(usize, usize); 2],
 }
 
-/// Positions and triangles of an OBJ file, without the positions that no triangle uses; `None` for any other file than
-/// a plain one.
+/// Parses an OBJ file. Positions that no triangle uses are dropped. `None` if the file is not plain.
 pub fn read(bytes: &[u8]) -> Option<Geometry> {
     let pieces: Option<Vec<Piece>> = pieces(bytes).into_par_iter().map(Piece::read).collect();
     let pieces = pieces?;
@@ -64,7 +63,7 @@ fn joined<T: Copy + Default + Send + Sync>(pieces: &[Piece], part: impl Fn(&Piec
     all
 }
 
-/// Cuts a text at ends of lines.
+/// Cuts a text into pieces at ends of lines.
 fn pieces(mut rest: &[u8]) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
     while rest.len() > PIECE {
@@ -106,7 +105,7 @@ impl Piece {
                 Some(b"vt") => {
                     numbers::<2>(&mut words)?;
                     piece.others[0].0 += 1;
-                    // A third coordinate may follow. It is not read.
+                    // A third coordinate is ignored.
                     continue;
                 }
                 Some(b"vn") => {
@@ -124,7 +123,7 @@ impl Piece {
         Some(piece)
     }
 
-    /// A polygon becomes a fan around its first corner.
+    /// Parses a face. A polygon becomes a fan of triangles around its first corner.
     fn face<'a>(&mut self, words: &mut impl Iterator<Item = &'a [u8]>) -> Option<()> {
         let first = self.corner(words.next()?)?;
         let mut second = self.corner(words.next()?)?;
@@ -136,7 +135,7 @@ impl Piece {
         }
     }
 
-    /// The number of a corner's position, from 0: of `i`, `i/j`, `i//k` or `i/j/k`.
+    /// Parses a corner, `i`, `i/j`, `i//k` or `i/j/k`, and returns the index of its position, from 0.
     fn corner(&mut self, word: &[u8]) -> Option<u32> {
         let mut parts = word.split(|&byte| byte == b'/');
         let position = index(parts.next()?)?;
@@ -151,7 +150,7 @@ impl Piece {
     }
 }
 
-/// The next `N` words as numbers.
+/// Parses the next `N` words as numbers.
 fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<[f32; N]> {
     let mut numbers = [0.0; N];
     for number in &mut numbers {
@@ -160,7 +159,7 @@ fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a [u8]>) -> Op
     Some(numbers)
 }
 
-/// A number from 1 to 999,999,999.
+/// Parses a number from 1 to 999,999,999.
 fn index(digits: &[u8]) -> Option<u32> {
     if digits.is_empty() || digits.len() > 9 {
         return None;
@@ -177,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plain_files_are_read_as_written() {
+    fn plain_files_are_parsed() {
         let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0\nvt 0 1\nv 1 1 .5e0\nv 0 1 0\ng a\nf 1/1 3 4 5//\n";
         let (positions, triangles) = read(text).unwrap();
         assert_eq!(positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
@@ -185,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_belong_together() {
+    fn faces_may_use_positions_of_other_pieces() {
         let vertices: String = (0..30_000).map(|i| format!("v {i} 0.5 -1\n")).collect();
         let faces: String = (1..29_999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
         let (positions, triangles) = read(format!("{vertices}{faces}").as_bytes()).unwrap();
@@ -194,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_else_is_left_to_others() {
+    fn files_that_are_not_plain_are_refused() {
         const THREE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
         for rest in [
             "f 1 2",

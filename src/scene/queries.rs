@@ -1,7 +1,7 @@
 //! Queries of one ray against the [`Geometry`]: the closest hit, or whether there is any.
 //!
-//! The answers are those of a loop over all objects and all triangles, to the last bit. Trees only skip what cannot be
-//! hit. Packets of rays are answered in [`wide`](crate::wide), by the same tests.
+//! The results are those of a loop over all objects and all triangles, to the last bit. Trees only skip what cannot
+//! be hit. [`wide`](crate::wide) has the queries of packets, by the same tests.
 
 use super::Geometry;
 use crate::bvh::{Bvh, DONE, Entry, TriangleBlock};
@@ -78,7 +78,7 @@ impl Geometry {
         object.any_hit(ray, t_max, |mesh, ray| self.any_hit_of_mesh(simd, mesh, ray, t_max))
     }
 
-    /// The nearest hit with t < `t_max`; of several at the same t, the first triangle's.
+    /// Returns the nearest hit with t < `t_max`; of several at the same t, the first triangle's.
     fn closest_hit_of_mesh<S: Simd>(
         &self,
         simd: S,
@@ -101,7 +101,7 @@ impl Geometry {
         closest
     }
 
-    /// Some hit at a t up to and including `t_max`.
+    /// Returns any hit at a t up to and including `t_max`.
     fn any_hit_of_mesh<S: Simd>(&self, simd: S, mesh: u32, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
         let (mesh, tree) = self.mesh_and_tree(mesh);
         let mut found = None;
@@ -112,8 +112,8 @@ impl Geometry {
         found
     }
 
-    /// Calls `test` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others. `test`
-    /// returns the new `t_max`; minus infinity ends the query.
+    /// Calls `test` with every object that the ray may hit at a t up to and including `t_max`, and perhaps others.
+    /// `test` returns the new `t_max`; minus infinity ends the query.
     fn for_each_object<S: Simd>(
         &self,
         simd: S,

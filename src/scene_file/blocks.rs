@@ -1,4 +1,4 @@
-//! Parses camera, background and materials. One function for each block; its documentation shows the block's syntax.
+//! Parses camera, background and materials. Each block has a function, whose documentation shows the syntax.
 
 use super::description::{At, BackgroundBlock, CameraBlock};
 use super::fields::{Count, Fields, Key, Occurs};
@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::material::Material;
 use vecmath::{Real, Vector3};
 
-/// `PerspectiveCamera { center x y z  direction x y z  up x y z  angle degrees }`
+/// Parses `PerspectiveCamera { center x y z  direction x y z  up x y z  angle degrees }`.
 pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<CameraBlock, Error> {
     const KEYS: &[Key] =
         &[("center", Occurs::Once), ("direction", Occurs::Once), ("up", Occurs::Once), ("angle", Occurs::Once)];
@@ -30,7 +30,7 @@ pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Cam
     Ok(camera)
 }
 
-/// `Background { color r g b  ambientLight r g b  cubeMap folder }`, all optional
+/// Parses `Background { color r g b  ambientLight r g b  cubeMap folder }`, all optional.
 pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<BackgroundBlock, Error> {
     const KEYS: &[Key] =
         &[("color", Occurs::AtMostOnce), ("ambientLight", Occurs::AtMostOnce), ("cubeMap", Occurs::AtMostOnce)];
@@ -46,7 +46,7 @@ pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result
     Ok(background)
 }
 
-/// `Materials { numMaterials n  (Material { } | PhongMaterial { }) ... }`
+/// Parses `Materials { numMaterials n  (Material { } | PhongMaterial { }) ... }`.
 pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<Material>, Error> {
     const KEYS: &[Key] =
         &[("numMaterials", Occurs::Once), ("Material", Occurs::AnyNumber), ("PhongMaterial", Occurs::AnyNumber)];
@@ -63,7 +63,7 @@ pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<
     Ok(materials)
 }
 
-/// `Material { diffuseColor r g b  specularColor r g b  shininess s  bump file }`, all optional
+/// Parses `Material { diffuseColor r g b  specularColor r g b  shininess s  bump file }`, all optional.
 fn material<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Material, Error> {
     const KEYS: &[Key] = &[
         ("diffuseColor", Occurs::AtMostOnce),
@@ -84,7 +84,7 @@ fn material<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Material, Er
                 }
                 material.shininess = shininess as Real;
             }
-            // The starter reads bump maps and does nothing with them.
+            // The starter reads the name of a bump map and ignores it.
             _ => drop(fields.path(key, "a file")?),
         }
         Ok(())

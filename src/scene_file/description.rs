@@ -1,7 +1,6 @@
-//! [`Description`]: what the text of a scene file says, and where it says it.
+//! [`Description`]: the content of a scene file, with places in the text.
 //!
-//! Plain data. Lights, materials and shapes are whole where the text alone decides. No other file has been opened, and no
-//! transformation multiplied out.
+//! Plain data. Lights, materials and shapes are complete; meshes are not loaded, and transforms are not multiplied.
 
 use crate::error::{SourceText, Span};
 use crate::light::Light;
@@ -22,7 +21,7 @@ pub struct At<T> {
 pub struct Description {
     pub source: Arc<SourceText>,
     pub camera: CameraBlock,
-    /// Empty where the file has no lights.
+    /// Empty if the file has no lights.
     pub lights: Vec<At<Light>>,
     pub background: BackgroundBlock,
     pub materials: Vec<Material>,
@@ -53,17 +52,17 @@ pub enum Node {
     /// Members in the order of the file.
     Group(Vec<Node>),
     Transform {
-        /// In the order of the file: the first is applied last.
+        /// In the order of the file. The first step is applied last.
         steps: Vec<At<TransformStep>>,
         child: Box<Node>,
     },
     Leaf(Leaf),
 }
 
-/// The surface of an object, as far as the text says.
+/// The shape of an object.
 #[derive(Debug)]
 pub enum LeafShape {
-    /// Whole: the text alone decides.
+    /// A shape that the text describes completely.
     Shape(Shape),
     /// The OBJ file of a mesh.
     Mesh(At<String>),
@@ -75,7 +74,7 @@ pub struct Leaf {
     pub shape: LeafShape,
     /// Place of the object's name.
     pub span: Span,
-    /// The `MaterialIndex` in force where the object stands.
+    /// The last `MaterialIndex` before the object.
     pub material: u32,
 }
 

@@ -17,7 +17,7 @@ pub(super) enum Occurs {
 /// A key of a block.
 pub(super) type Key = (&'static str, Occurs);
 
-/// Words of related formats (later versions of the course, other courses), which people try here.
+/// Words of related formats (later versions of the course, other courses). They get an error message of their own.
 const FOREIGN_WORDS: &[&str] = &[
     "OrthographicCamera",
     "OrthogonalCamera",
@@ -45,7 +45,7 @@ const FOREIGN_WORDS: &[&str] = &[
     "emissionColor",
 ];
 
-/// Reads tokens and the values made of them.
+/// Reads tokens and values.
 pub(super) struct Fields<'a> {
     pub source: &'a Arc<SourceText>,
     pub lexer: Lexer<'a>,
@@ -64,8 +64,8 @@ impl<'a> Fields<'a> {
         self.source.line_and_column(span.start).0
     }
 
-    /// The next token, or an error that says what was expected instead of the end of the file. The expectation is put
-    /// into words only then: done for every token, it would take longer than reading.
+    /// Returns the next token, or an error that says what was expected instead of the end of the file. `expected` is
+    /// called only for the error, because formatting a text for every token would take longer than parsing.
     pub fn next(&mut self, expected: impl FnOnce(&Self) -> String) -> Result<Token<'a>, Error> {
         self.lexer.next().ok_or_else(|| {
             let end = self.lexer.end();
@@ -82,7 +82,7 @@ impl<'a> Fields<'a> {
         Err(self.error(token.span, message))
     }
 
-    /// A word that is the value of `key`: no brace.
+    /// Reads a word as the value of `key`. A brace is an error.
     pub fn word(&mut self, key: &str, expected: &str) -> Result<Token<'a>, Error> {
         let token = self.next(|_| format!("{expected} for '{key}'"))?;
         if matches!(token.text, "{" | "}") {
@@ -92,8 +92,8 @@ impl<'a> Fields<'a> {
         Ok(token)
     }
 
-    /// A finite decimal number. `nan`, `inf` and hexadecimal floats, which the starter's `scanf` lets through, are
-    /// refused, and so is what is too large for an `f64`.
+    /// Reads a finite decimal number. Unlike the starter's `scanf`, it refuses `nan`, `inf` and hexadecimal numbers,
+    /// and numbers too large for an `f64`.
     pub fn number(&mut self, key: &str) -> Result<f64, Error> {
         let token = self.word(key, "a number")?;
         let starts_like_a_number =
@@ -119,13 +119,13 @@ impl<'a> Fields<'a> {
         Ok(Vector3::new(component()?, component()?, component()?))
     }
 
-    /// The name of a file or folder.
+    /// Reads the name of a file or folder.
     pub fn path(&mut self, key: &str, expected: &str) -> Result<At<String>, Error> {
         let token = self.word(key, expected)?;
         Ok(At { value: token.text.to_owned(), span: token.span })
     }
 
-    /// A whole number from 0 to 2^31 - 1.
+    /// Reads a whole number from 0 to 2^31 - 1.
     pub fn count(&mut self, key: &str) -> Result<u32, Error> {
         let token = self.word(key, "a whole number")?;
         match token.text.parse::<u32>() {
@@ -138,10 +138,10 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Reads `{ key value ... }`; `read` is called behind each key to take its value.
+    /// Reads `{ key value ... }`; calls `read` after each key to read its value.
     ///
     /// # Errors
-    /// A key that the block does not have, that stands twice, or that is missing; and what `read` refuses.
+    /// [`Error::Source`] for an unknown, repeated or missing key, and the errors of `read`.
     pub fn block(
         &mut self,
         name: Token<'a>,
@@ -171,7 +171,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Notes that `key` stands at `span`; an error if it stood somewhere before.
+    /// Notes that `key` is at `span`; returns an error if it was seen before.
     pub fn refuse_repetition(
         &self,
         seen: &mut Vec<(&'static str, Span)>,
@@ -187,7 +187,7 @@ impl<'a> Fields<'a> {
         Ok(())
     }
 
-    /// The error for a word that `place` does not know.
+    /// Makes the error for a word that is unknown in `place`.
     pub fn unknown_word<'k>(
         &self,
         token: Token<'a>,
@@ -214,7 +214,7 @@ fn listed<'k>(words: impl Iterator<Item = &'k str>) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
-/// What `numLights` and its like say, against what is there.
+/// Checks `numLights` and similar counts against the number of items found.
 #[derive(Default)]
 pub(super) struct Count {
     said: u32,

@@ -1,18 +1,18 @@
-//! Text to tokens: words and braces, each with its place.
+//! Splits text into tokens: words and braces, each with its place.
 //!
-//! White space separates; a brace is a token of its own wherever it stands. A word that begins with `#` or `//` opens
-//! a comment up to the end of its line (an extension: the starter's grammar has no comments).
+//! White space separates words; a brace is always a token by itself. A word that begins with `#` or `//` begins a
+//! comment, which ends with its line. (This is an extension: the starter's grammar has no comments.)
 
 use crate::error::Span;
 
-/// A word or a brace, and where it stands.
+/// A word or a brace, and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Token<'a> {
     pub text: &'a str,
     pub span: Span,
 }
 
-/// Hands out the tokens of a text one by one.
+/// Iterates over the tokens of a text.
 #[derive(Debug)]
 pub struct Lexer<'a> {
     text: &'a str,
@@ -21,12 +21,12 @@ pub struct Lexer<'a> {
 
 impl<'a> Lexer<'a> {
     pub fn new(text: &'a str) -> Self {
-        // Editors on Windows put a byte order mark first.
+        // Some editors on Windows write a byte order mark first.
         let at = if text.starts_with('\u{feff}') { 3 } else { 0 };
         Self { text, at }
     }
 
-    /// The place just behind the last character of the text.
+    /// Returns the place after the last character of the text.
     pub fn end(&self) -> Span {
         let end = self.text.trim_end().len();
         Span { start: end, end }

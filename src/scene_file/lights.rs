@@ -1,6 +1,6 @@
-//! Parses lights. One function for each kind; its documentation shows the block's syntax.
+//! Parses lights. Each kind has a function, whose documentation shows the syntax.
 //!
-//! To add a kind of light, write its function and name it in [`LIGHTS`].
+//! To add a kind of light, write its function and add it to [`LIGHTS`].
 
 use super::description::At;
 use super::fields::{Count, Fields, Key, Occurs};
@@ -14,7 +14,7 @@ type ParseLight = for<'a> fn(&mut Fields<'a>, Token<'a>) -> Result<Light, Error>
 /// The name of each kind of light, and the function that parses its block.
 const LIGHTS: [(&str, ParseLight); 2] = [("DirectionalLight", directional_light), ("PointLight", point_light)];
 
-/// `Lights { numLights n  (DirectionalLight { } | PointLight { }) ... }`
+/// Parses `Lights { numLights n  (DirectionalLight { } | PointLight { }) ... }`.
 pub(super) fn lights<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<At<Light>>, Error> {
     let mut keys: Vec<Key> = vec![("numLights", Occurs::Once)];
     keys.extend(LIGHTS.map(|light| (light.0, Occurs::AnyNumber)));
@@ -31,7 +31,7 @@ pub(super) fn lights<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec
     Ok(lights)
 }
 
-/// `DirectionalLight { direction x y z  color r g b }`
+/// Parses `DirectionalLight { direction x y z  color r g b }`.
 fn directional_light<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Light, Error> {
     const KEYS: &[Key] = &[("direction", Occurs::Once), ("color", Occurs::Once)];
     let mut direction = At { value: Vector3::ZERO, span: name.span };
@@ -49,7 +49,7 @@ fn directional_light<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Lig
     }
 }
 
-/// `PointLight { position x y z  color r g b  falloff a }`, falloff optional
+/// Parses `PointLight { position x y z  color r g b  falloff a }`, falloff optional.
 fn point_light<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Light, Error> {
     const KEYS: &[Key] = &[("position", Occurs::Once), ("color", Occurs::Once), ("falloff", Occurs::AtMostOnce)];
     let (mut position, mut color, mut falloff) = (Vector3::ZERO, Vector3::ZERO, 0.0);

@@ -1,6 +1,6 @@
-//! The text of a scene file in, a [`Description`] out: what the file says, every node with its place in the text.
+//! The scene parser: the text of a scene file in, a [`Description`] out, every node with its place in the text.
 //!
-//! Opens no file but the scene itself.
+//! It opens no file but the scene file.
 
 mod blocks;
 mod description;

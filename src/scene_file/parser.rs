@@ -1,8 +1,7 @@
-//! Text of a scene file in, [`Description`] out: the file as a whole and the tree of objects. The blocks in it are read
-//! by [`blocks`].
+//! Parses the file as a whole and the tree of objects; the other blocks are parsed by [`blocks`] and [`lights`].
 //!
-//! Opens no file but the scene itself. Material indices are checked here, once the whole text is known; what needs
-//! arithmetic (a direction of length zero, a singular matrix) is checked by [`compile`](crate::scene::compile()).
+//! Material indices are checked here, after the whole text is parsed. Mistakes that need arithmetic or other files (a
+//! singular matrix, a missing mesh) are found by [`compile`](crate::scene::compile).
 
 use super::description::{At, BackgroundBlock, Description, Leaf, Node};
 use super::fields::{Count, Fields};
@@ -14,7 +13,7 @@ use crate::error::{Error, SourceText};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Groups and transforms may stand this deep in one another: the parser calls itself once a level.
+/// Largest depth of nested groups and transforms. There must be a limit because the parser is recursive.
 const MAX_NESTING: usize = 256;
 /// Largest scene file that is read.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -58,7 +57,7 @@ struct Parser<'a> {
     depth: usize,
 }
 
-/// Objects that hold others.
+/// Objects that contain other objects.
 const CONTAINERS: [&str; 2] = ["Group", "Transform"];
 
 fn object_names() -> impl Iterator<Item = &'static str> + Clone {
@@ -70,8 +69,8 @@ fn is_object(word: &str) -> bool {
 }
 
 impl<'a> Parser<'a> {
-    /// `PerspectiveCamera { } Lights { } Background { } Materials { } Group { }`, in any order, each at most once;
-    /// camera and group are required.
+    /// Parses `PerspectiveCamera { } Lights { } Background { } Materials { } Group { }`, in any order, each at most
+    /// once. Camera and group are required.
     fn file(&mut self) -> Result<Description, Error> {
         const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Lights", "Background", "Materials", "Group"];
         let (mut camera, mut lights, mut materials, mut root) = (None, Vec::new(), Vec::new(), None);
@@ -119,7 +118,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `Group { numObjects n  objects, with MaterialIndex i between them }`
+    /// Parses `Group { numObjects n  objects, with MaterialIndex i between them }`.
     fn group(&mut self, name: Token<'a>) -> Result<Node, Error> {
         let fields = &mut self.fields;
         fields.open_brace(name.text)?;
@@ -154,7 +153,7 @@ impl<'a> Parser<'a> {
         Ok(Node::Group(members))
     }
 
-    /// A shape, a `Group` or a `Transform`.
+    /// Parses a shape, a `Group` or a `Transform`.
     fn object(&mut self, name: Token<'a>) -> Result<Node, Error> {
         self.depth += 1;
         if self.depth > MAX_NESTING {
@@ -177,7 +176,7 @@ impl<'a> Parser<'a> {
         Ok(node)
     }
 
-    /// `Transform { transformations object }`
+    /// Parses `Transform { transformations object }`.
     fn transform(&mut self, name: Token<'a>) -> Result<Node, Error> {
         self.fields.open_brace(name.text)?;
         let mut steps = Vec::new();

@@ -1,6 +1,6 @@
-//! Parses the objects that hold no other. One function for each shape; its documentation shows the block's syntax.
+//! Parses shapes. Each shape has a function, whose documentation shows the syntax.
 //!
-//! To add a shape, write its function and name it in [`SHAPES`].
+//! To add a shape, write its function and add it to [`SHAPES`].
 
 use super::description::{At, LeafShape};
 use super::fields::{Fields, Key, Occurs};
@@ -30,7 +30,7 @@ pub(super) fn shape_parser(name: &str) -> Option<ParseShape> {
     SHAPES.into_iter().find(|shape| shape.0 == name).map(|shape| shape.1)
 }
 
-/// `Sphere { center x y z  radius r }`
+/// Parses `Sphere { center x y z  radius r }`.
 fn sphere<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("center", Occurs::Once), ("radius", Occurs::Once)];
     let mut center = Vector3::ZERO;
@@ -48,7 +48,7 @@ fn sphere<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Err
     Ok(LeafShape::Shape(Shape::Sphere(Sphere { center, radius: radius.value as Real })))
 }
 
-/// `Plane { normal x y z  offset d }`
+/// Parses `Plane { normal x y z  offset d }`.
 fn plane<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("normal", Occurs::Once), ("offset", Occurs::Once)];
     let mut normal = At { value: Vector3::ZERO, span: name.span };
@@ -66,7 +66,7 @@ fn plane<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Erro
     Ok(LeafShape::Shape(Shape::Plane(Plane::new(normal.value, offset as Real))))
 }
 
-/// `Triangle { vertex0 x y z  vertex1 x y z  vertex2 x y z }`
+/// Parses `Triangle { vertex0 x y z  vertex1 x y z  vertex2 x y z }`.
 fn triangle<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("vertex0", Occurs::Once), ("vertex1", Occurs::Once), ("vertex2", Occurs::Once)];
     let mut corners = [Vector3::ZERO; 3];
@@ -82,7 +82,7 @@ fn triangle<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, E
     Ok(LeafShape::Shape(Shape::Triangle(Triangle::new(corners))))
 }
 
-/// `TriangleMesh { obj_file path.obj }`
+/// Parses `TriangleMesh { obj_file path.obj }`.
 fn triangle_mesh<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("obj_file", Occurs::Once)];
     let mut obj_file = At { value: String::new(), span: name.span };

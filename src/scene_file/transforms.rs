@@ -11,10 +11,10 @@ const AXES: [Vector3; 3] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 
 pub(super) const STEP_NAMES: [&str; 8] =
     ["Translate", "Scale", "UniformScale", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f"];
 
-/// `Translate x y z | Scale x y z | UniformScale s | XRotate degrees | YRotate degrees | ZRotate degrees
+/// Parses `Translate x y z | Scale x y z | UniformScale s | XRotate degrees | YRotate degrees | ZRotate degrees
 /// | Rotate { x y z degrees } | Matrix4f { 16 numbers, column by column }`
 ///
-/// `name` is one of [`STEP_NAMES`].
+/// `name` must be one of [`STEP_NAMES`].
 pub(super) fn transform_step(fields: &mut Fields, name: Token) -> Result<TransformStep, Error> {
     let about = |axis: usize, degrees| TransformStep::Rotate { axis: AXES[axis], degrees };
     let key = name.text;

@@ -1,15 +1,15 @@
-//! Convex bodies in full light: whatever faces the light is lit, at every scale. A dark pixel there is acne.
+//! Convex bodies in full light: every point that faces the light is lit, at every scale. A dark point there is acne.
 
 use super::leaks::ball;
-use super::support::{Random, Studio, Way, check, vector, ways};
+use super::support::{Mode, Random, Studio, check, modes, vector};
 use a2::objects::Ray;
 
 const SCALES: [(&str, f64); 7] =
     [("1e-6", 1e-6), ("1e-4", 1e-4), ("1e-2", 1e-2), ("1", 1.0), ("1e3", 1e3), ("1e6", 1e6), ("1e9", 1e9)];
 
-/// Of 4,000 rays from around at a convex body of about this scale: points that face a light but are not lit, and points
-/// that face away but are. `body` is written for scale 1 and stands in a transform of the scale, unless it is a text for it.
-fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
+/// Sends 4,000 rays at a convex body of about this scale. Counts the points that face the light but are not lit, and
+/// the points that face away but are lit.
+fn wrong(body: &str, scale: f64, center: [f64; 3], mode: Mode) -> u32 {
     let [x, y, z] = [0.48, 0.6, 0.64];
     let scene = format!(
         "{}Lights {{ numLights 1 DirectionalLight {{ direction {} {} {} color 1 1 1 }} }}
@@ -22,7 +22,7 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
     );
     let ball = ball(3, 0);
     let meshes = [("ball.obj", ball.as_str()), ("cube.obj", CUBE)];
-    let studio = Studio::with_meshes(&scene, &meshes, &format!("-shadows {}", way.flags)).at(way);
+    let studio = Studio::with_meshes(&scene, &meshes, &format!("-shadows {}", mode.flags)).at(mode);
     let mut random = Random(21);
     let (mut wrong, mut towards, mut away_from) = (0, 0, 0);
     for _ in 0..4000 {
@@ -31,24 +31,24 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
         let from = [0, 1, 2].map(|i| center[i] + scale * 4.0 * away[i]);
         let ray = Ray { origin: vector(from), direction: (vector(to) - vector(from)).normalized() };
         let Some(hit) = studio.hit(&ray) else { continue };
-        // What faces the light is decided by the body's own faces; a smoothed normal may think otherwise.
+        // The normal of the face decides whether a point faces the light, not the smooth normal.
         let surface = studio.surface_point(&ray, &hit);
         let outward = if surface.normal.dot(ray.direction) > 0.0 { -surface.normal } else { surface.normal };
         let (facing, shaded) = (outward.dot(vector([x, y, z])), studio.seen(&ray).normal.dot(vector([x, y, z])));
         let lit = studio.color(&ray)[0] > 0.0;
-        // Within 1e-6 of a right angle the light grazes the surface, and either is right.
+        // Within 1e-6 of a right angle the light grazes the surface, and both results are right.
         if facing > 1e-6 && shaded > 1e-6 {
             towards += 1;
             wrong += u32::from(!lit);
-        } else if facing < -1e-6 && way.robust() {
-            // The starter lights what faces away where its 0.01 leads out of the body again, or through a plane.
+        } else if facing < -1e-6 && mode.robust() {
+            // The starter lights a point that faces away if its offset of 0.01 leads out of the body, or through a plane.
             away_from += 1;
             wrong += u32::from(lit);
         }
     }
     // Where nothing is hit, nothing is wrong.
     assert!(
-        towards > 1000 && (away_from > 1000 || !way.robust()),
+        towards > 1000 && (away_from > 1000 || !mode.robust()),
         "{towards} points face the light, {away_from} do not"
     );
     wrong
@@ -57,14 +57,14 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], way: Way) -> u32 {
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
     f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
 
-/// With -robust nothing is wrong at any scale. The starter's 0.01 is right while it is small against the body and large
-/// against rounding, which is what is asked of the default.
+/// Checks that there is no acne: with -robust at any scale; by default at the scales where the starter's 0.01 is
+/// small against the body and large against rounding.
 fn at_every_scale(name: &str, body: impl Fn(f64) -> String, center: impl Fn(f64) -> [f64; 3]) {
     for (case, scale) in SCALES {
-        for way in ways() {
-            if way.robust() || (1.0..1e4).contains(&scale) {
-                let rays = if way.robust() { "-robust" } else { "the starter's rays" };
-                let wrong = wrong(&body(scale), scale, center(scale), way);
+        for mode in modes() {
+            if mode.robust() || (1.0..1e4).contains(&scale) {
+                let rays = if mode.robust() { "-robust" } else { "the starter's rays" };
+                let wrong = wrong(&body(scale), scale, center(scale), mode);
                 check(&format!("{name} of size {case}, {rays}: acne in 4,000 points"), 0.0, f64::from(wrong));
             }
         }
@@ -72,12 +72,12 @@ fn at_every_scale(name: &str, body: impl Fn(f64) -> String, center: impl Fn(f64)
 }
 
 #[test]
-fn lit_spheres() {
+fn lit_spheres_have_no_acne() {
     at_every_scale("lit sphere", |scale| format!("Sphere {{ center 0 0 0 radius {scale:e} }}"), |_| [0.0; 3]);
 }
 
 #[test]
-fn lit_spheres_away_from_the_origin() {
+fn lit_spheres_away_from_the_origin_have_no_acne() {
     at_every_scale(
         "lit sphere 1000 radii from the origin",
         |scale| format!("Sphere {{ center {:e} {:e} 0 radius {scale:e} }}", 1e3 * scale, -1e3 * scale),
@@ -86,7 +86,7 @@ fn lit_spheres_away_from_the_origin() {
 }
 
 #[test]
-fn lit_spheres_in_transforms() {
+fn lit_spheres_in_transforms_have_no_acne() {
     at_every_scale(
         "lit sphere, turned and stretched,",
         |scale| {
@@ -99,7 +99,7 @@ fn lit_spheres_in_transforms() {
 }
 
 #[test]
-fn lit_meshes() {
+fn lit_meshes_have_no_acne() {
     at_every_scale(
         "lit mesh of 512 faces",
         |scale| format!("Transform {{ UniformScale {scale:e} TriangleMesh {{ obj_file ball.obj }} }}"),
@@ -108,7 +108,7 @@ fn lit_meshes() {
 }
 
 #[test]
-fn lit_boxes() {
+fn lit_boxes_have_no_acne() {
     at_every_scale(
         "lit box, turned,",
         |scale| {
@@ -121,7 +121,7 @@ fn lit_boxes() {
 }
 
 #[test]
-fn lit_boxes_carried_away() {
+fn lit_boxes_far_from_the_origin_have_no_acne() {
     at_every_scale(
         "lit box 1e6 sizes from the origin",
         |scale| {
@@ -136,7 +136,7 @@ fn lit_boxes_carried_away() {
 }
 
 #[test]
-fn lit_loose_triangles() {
+fn lit_separate_triangles_have_no_acne() {
     // A tetrahedron of four Triangle objects.
     let body = |s: f64| {
         let p = [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]];
@@ -155,12 +155,12 @@ fn lit_loose_triangles() {
             face([1, 3, 2])
         )
     };
-    at_every_scale("lit tetrahedron of loose triangles", body, |_| [0.0; 3]);
+    at_every_scale("lit tetrahedron of separate triangles", body, |_| [0.0; 3]);
 }
 
 #[test]
-fn lit_planes() {
-    // A plane is lit wherever it is seen from the light's side.
+fn lit_planes_have_no_acne() {
+    // A plane is lit at every point that is seen from the light's side.
     let body = |s: f64| format!("Plane {{ normal 0.36 0.48 0.8 offset {:e} }}", 0.3 * s);
     at_every_scale("lit plane at a slant", body, |_| [0.0; 3]);
 }

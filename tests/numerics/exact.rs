@@ -1,4 +1,4 @@
-//! Exact rational arithmetic on what the program computed with: every `f64` is a fraction.
+//! Exact rational arithmetic on the program's numbers: every `f64` is a fraction.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -28,12 +28,12 @@ pub fn cross(a: &V, b: &V) -> V {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &a[i] * &b[j] - &a[j] * &b[i])
 }
 
-/// origin + t direction, without rounding.
+/// Returns origin + t direction, without rounding.
 pub fn at(origin: &V, direction: &V, t: &Q) -> V {
     [0, 1, 2].map(|i| &origin[i] + &direction[i] * t)
 }
 
-/// The square root of x >= 0 to 90 digits.
+/// Returns the square root of x >= 0 to 90 digits.
 pub fn sqrt(x: &Q) -> Q {
     let scale = BigInt::from(10).pow(200);
     // Numbers as small as 1e-40 still have 80 digits then.
@@ -49,7 +49,7 @@ pub fn f(x: &Q) -> f64 {
     x.to_f64().unwrap()
 }
 
-/// |x| as an f64.
+/// Returns |x| as an f64.
 pub fn size(x: &Q) -> f64 {
     f(&x.abs())
 }

@@ -1,9 +1,9 @@
-//! Numbers that only a test would write: each has its documented answer.
+//! Unusual numbers in scenes and meshes: each has a documented result.
 
 use super::support::{Studio, check_that, objects};
 use a2::scene_file::{Node, TransformStep};
 
-/// A number as the parser reads it, here the angle of a rotation.
+/// Parses a number, here as the angle of a rotation.
 fn number(text: &str) -> Result<f64, String> {
     let source = a2::error::SourceText {
         path: "s.txt".into(),
@@ -17,7 +17,7 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 #[test]
-fn what_is_read_and_what_is_refused() {
+fn finite_numbers_are_read_and_others_refused() {
     let long = format!("0.{}1", "0".repeat(398));
     let digits = format!("1.{}", "3".repeat(400));
     for (case, text, value) in [
@@ -53,7 +53,7 @@ fn what_is_read_and_what_is_refused() {
 }
 
 #[test]
-fn radii_that_are_none() {
+fn radii_that_are_not_positive_are_refused() {
     for text in ["0", "-1", "-0.0", "1e-400"] {
         let said = Studio::refusal(&objects(&format!("Sphere {{ center 0 0 0 radius {text} }}")));
         check_that(&format!("radius {text}: refused"), said.contains("'radius' must be above 0"));
@@ -61,7 +61,7 @@ fn radii_that_are_none() {
 }
 
 #[test]
-fn coordinates_of_meshes_are_floats() {
+fn coordinates_of_meshes_are_read_as_f32() {
     let scene = objects("TriangleMesh { obj_file m.obj }");
     let bounds = |x: &str| {
         let obj = format!("v 0 0 0\nv {x} 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -77,7 +77,7 @@ fn coordinates_of_meshes_are_floats() {
 }
 
 #[test]
-fn hints_come_where_the_starters_distance_does_not_fit() {
+fn a_hint_is_given_where_the_starters_ray_offset_does_not_fit() {
     let hints = |radius: &str, flags: &str| {
         let text = objects(&format!("Sphere {{ center 0 0 0 radius {radius} }}")).replace(
             "Materials {",

@@ -1,13 +1,13 @@
-//! Closed surfaces that no ray gets through: on edges, at corners, in random poses, as a mesh and as loose triangles.
+//! No ray gets through a closed surface: on edges, at corners, in random poses, as a mesh and as separate triangles.
 
-use super::support::{Random, Studio, Way, check, objects, vector, ways};
+use super::support::{Mode, Random, Studio, check, modes, objects, vector};
 use a2::objects::Ray;
 use a2::simd::InstructionSet;
 use std::fmt::Write as _;
 use vecmath::Vector3;
 
-/// A sphere of triangles: an octahedron whose faces are split `levels` times; as an OBJ file. The corners lie between
-/// radius 0.7 and 1, some of them far out, so that there are slivers.
+/// Returns a sphere of triangles as an OBJ file: an octahedron whose faces are split `levels` times. The corners have
+/// random radii from 0.7 to 1, so that there are slivers; with seed 0 all have radius 1.
 pub fn ball(levels: u32, seed: u64) -> String {
     let mut points: Vec<[f64; 3]> = vec![
         [1.0, 0.0, 0.0],
@@ -49,7 +49,7 @@ pub fn ball(levels: u32, seed: u64) -> String {
     text
 }
 
-/// Corners and edge points of an OBJ file of triangles, where leaks would be.
+/// Returns corners and points on edges of an OBJ file of triangles, where leaks would be.
 fn seams(obj: &str) -> Vec<Vector3> {
     let numbers = |line: &str| -> Vec<f64> { line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect() };
     // The program reads an OBJ file's coordinates as f32.
@@ -68,14 +68,14 @@ fn seams(obj: &str) -> Vec<Vector3> {
     seams
 }
 
-/// Rays that leave a closed star-shaped mesh from inside and yet meet nothing.
-pub fn leaks(scene: &str, obj: &str, pose: impl Fn(Vector3) -> Vector3, way: Way, rays: u64, seed: u64) -> u64 {
-    let studio = Studio::with_meshes(scene, &[("m.obj", obj)], way.flags).at(way);
+/// Counts the rays that start inside a closed star-shaped mesh and hit nothing.
+pub fn leaks(scene: &str, obj: &str, pose: impl Fn(Vector3) -> Vector3, mode: Mode, rays: u64, seed: u64) -> u64 {
+    let studio = Studio::with_meshes(scene, &[("m.obj", obj)], mode.flags).at(mode);
     let seams = seams(obj);
     let mut random = Random(seed);
     let mut leaks = 0;
     for i in 0..rays {
-        // Inside the ball of 0.4, which every face is outside of; half of the rays aim at seams.
+        // The origin is within 0.4 of the centre, where no face is. Half of the rays aim at seams.
         let from = vector(random.unit().map(|x| 0.4 * x * (i % 3) as f64 / 2.0));
         let to = if i % 2 == 0 { seams[random.bits() as usize % seams.len()] } else { vector(random.unit()) };
         let origin = pose(from);
@@ -90,18 +90,18 @@ const MESH: &str = "TriangleMesh { obj_file m.obj }";
 #[test]
 fn no_ray_leaves_a_closed_mesh() {
     let obj = ball(3, 1);
-    for way in ways() {
-        let leaks = leaks(&objects(MESH), &obj, |p| p, way, 250_000, 1);
+    for mode in modes() {
+        let leaks = leaks(&objects(MESH), &obj, |p| p, mode, 250_000, 1);
         check("closed mesh of 512 faces, rays at its seams: leaks in 250,000", 0.0, leaks as f64);
     }
 }
 
 #[test]
-fn nor_one_that_is_turned_stretched_and_carried_away() {
+fn no_ray_leaves_a_closed_mesh_in_random_poses() {
     use vecmath::Matrix4;
     let obj = ball(2, 2);
     let mut random = Random(8);
-    for way in ways() {
+    for mode in modes() {
         let mut total = 0;
         for pose in 0..40 {
             let axis = random.unit();
@@ -121,16 +121,16 @@ fn nor_one_that_is_turned_stretched_and_carried_away() {
                 * Matrix4::rotation(vector(axis).normalized(), (degrees.to_radians()) as vecmath::Real)
                 * Matrix4::scaling(vector([scale, 3.0 * scale, scale]));
             let scene = objects(&format!("Transform {{ {steps} {MESH} }}"));
-            total += leaks(&scene, &obj, |p| matrix.transform_point(p), way, 6000, pose as u64);
+            total += leaks(&scene, &obj, |p| matrix.transform_point(p), mode, 6000, pose as u64);
         }
         check("closed mesh in 40 poses of size 1e-7 to 1e7: leaks in 240,000", 0.0, total as f64);
     }
 }
 
 #[test]
-fn nor_one_of_loose_triangles_however_far_the_eye() {
-    // Each triangle is an object with bounds of its own. Seen from far away rounding moves rays across the seam; the
-    // bounds must move with it. The rays come from outside and aim at seams on the near side, inside the outline.
+fn no_ray_gets_through_a_closed_body_of_separate_triangles() {
+    // Each triangle is an object with bounds of its own. From far away rounding moves a ray across a seam, and the
+    // bounds must allow for that. The rays come from outside and aim at seams on the near side.
     let obj = ball(2, 0);
     let points: Vec<[f64; 3]> = obj
         .lines()
@@ -155,12 +155,12 @@ fn nor_one_of_loose_triangles_however_far_the_eye() {
     let pairs = points.iter().flat_map(|a| points.iter().map(move |b| (*a, *b)));
     let flush: Vec<_> = pairs.filter(|(a, b)| a != b && flush(a, b) && near(a, b)).collect();
     for (case, distance) in [("10", 10.0), ("1e4", 1e4), ("1e7", 1e7)] {
-        for way in ways() {
-            let studio = Studio::new(&objects(&text), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&objects(&text), mode.flags).at(mode);
             let mut random = Random(6);
             let mut leaks = 0;
             for _ in 0..20_000 {
-                // A point of a seam in a coordinate plane, where boxes end flush, seen from outside.
+                // The target is on a seam in a coordinate plane, where both boxes end in the same plane.
                 let (a, b) = flush[random.bits() as usize % flush.len()];
                 let share = 0.5 + 0.45 * random.signed();
                 let to = [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]));
@@ -170,7 +170,7 @@ fn nor_one_of_loose_triangles_however_far_the_eye() {
                 leaks += u32::from(studio.hit(&ray).is_none());
             }
             check(
-                &format!("closed body of 128 loose triangles from {case} away: leaks in 20,000"),
+                &format!("closed body of 128 separate triangles from {case} away: leaks in 20,000"),
                 0.0,
                 f64::from(leaks),
             );
@@ -179,9 +179,9 @@ fn nor_one_of_loose_triangles_however_far_the_eye() {
 }
 
 #[test]
-fn nor_a_flat_wall_of_two_objects() {
-    // Two triangles in one plane that share an edge along an axis: their bounds are flat and end flush. From far away the
-    // rounded corners say one triangle and the exact ray the bounds of the other.
+fn no_ray_gets_through_a_flat_wall_of_two_objects() {
+    // Two triangles in one plane share an edge along an axis, and their flat bounds end in the same line. From far
+    // away the rounded ray may hit one triangle, but enter only the bounds of the other.
     let wall = "Triangle { vertex0 0 -1 0 vertex1 0 1 0 vertex2 -1 0 0 } Triangle { vertex0 0 1 0 vertex1 0 -1 0 vertex2 1 0 0 }";
     let sheared = format!(
         "Transform {{ Matrix4f {{ 1 0 0 0  0 1 0 0  1000 0 1 0  0 0 0 1 }} Group {{ numObjects 2 {wall} }} }}"
@@ -192,8 +192,8 @@ fn nor_a_flat_wall_of_two_objects() {
         ("sheared wall of two triangles from 10 away", &sheared, 10.0),
         ("sheared wall of two triangles from 1e8 away", &sheared, 1e8),
     ] {
-        for way in ways() {
-            let studio = Studio::new(&objects(text), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&objects(text), mode.flags).at(mode);
             let mut random = Random(14);
             let mut leaks = 0;
             for _ in 0..20_000 {
@@ -213,8 +213,8 @@ fn nor_a_flat_wall_of_two_objects() {
 
 #[test]
 fn no_light_gets_out_of_a_closed_body() {
-    // A lamp inside, eyes outside: with -shadows every point of the outside is dark. The starter lets highlights through,
-    // for its shadow rays start 0.01 inside the wall; so does the default here.
+    // A lamp is inside, the eyes are outside: with -shadows every point is dark. The starter lets highlights through,
+    // because its shadow rays start 0.01 inside the wall; so does the default here.
     let obj = ball(3, 1);
     for (case, scale) in [("1e-6", 1e-6), ("1", 1.0), ("1e9", 1e9)] {
         let scene = format!(
@@ -253,8 +253,8 @@ fn no_light_gets_out_of_a_closed_body() {
 
 #[test]
 fn no_light_gets_through_a_thin_wall() {
-    // A slab thinner than 0.01 above a floor, a light above the slab: the floor under it is dark, at any thickness. The
-    // starter's shadow ray from the slab's underside starts above the slab, and finds the light.
+    // A slab thinner than 0.01 is lit from above and seen from below: its underside is dark. The starter's shadow
+    // rays from the underside start above the slab and reach the light.
     for (case, thickness) in [("1e-3", 1e-3), ("1e-6", 1e-6), ("1e-9", 1e-9)] {
         let scene = format!(
             "{}Lights {{ numLights 1 DirectionalLight {{ direction 0 -1 0 color 1 1 1 }} }}
@@ -265,9 +265,9 @@ fn no_light_gets_through_a_thin_wall() {
         );
         let obj = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
             f 1 2 6 5\nf 4 8 7 3\nf 1 4 3 2\nf 5 6 7 8\nf 1 5 8 4\nf 2 3 7 6\n";
-        for way in ways() {
+        for mode in modes() {
             let studio =
-                Studio::with_meshes(&scene, &[("m.obj", obj)], &format!("-shadows {}", way.flags)).at(way);
+                Studio::with_meshes(&scene, &[("m.obj", obj)], &format!("-shadows {}", mode.flags)).at(mode);
             let mut random = Random(13);
             let lit = (0..2000)
                 .filter(|_| {
@@ -279,7 +279,7 @@ fn no_light_gets_through_a_thin_wall() {
                     studio.color(&ray) != [0.0; 3]
                 })
                 .count() as f64;
-            if way.robust() {
+            if mode.robust() {
                 check(&format!("underside of a lit slab {case} thick, -robust: lit points of 2,000"), 0.0, lit);
             } else {
                 check(
@@ -292,19 +292,21 @@ fn no_light_gets_through_a_thin_wall() {
     }
 }
 
-/// The long run: `cargo test --release --test numerics -- --ignored soak`, rays by `A2_SOAK_RAYS` (default 1e8).
+/// Runs for minutes: `cargo test --release --test numerics -- --ignored soak`. `A2_SOAK_RAYS` is the number of rays
+/// (default 1e8).
 #[test]
 #[ignore = "takes minutes"]
 fn soak() {
     let rays: u64 = std::env::var("A2_SOAK_RAYS").map_or(100_000_000, |n| n.parse().unwrap());
     let obj = ball(4, 1);
     let share = rays / 4;
-    let Some(way) = ways().find(|way| !way.robust() && way.instruction_set == InstructionSet::detected()) else {
+    let Some(mode) = modes().find(|mode| !mode.robust() && mode.instruction_set == InstructionSet::detected())
+    else {
         panic!()
     };
     let workers = (0..4_u64).map(|worker| {
         let obj = obj.clone();
-        std::thread::spawn(move || leaks(&objects(MESH), &obj, |p| p, way, share, 100 + worker))
+        std::thread::spawn(move || leaks(&objects(MESH), &obj, |p| p, mode, share, 100 + worker))
     });
     let workers: Vec<_> = workers.collect();
     let leaks: u64 = workers.into_iter().map(|worker| worker.join().unwrap()).sum();

@@ -1,9 +1,9 @@
-//! Hits as numbers: trees against loops over all triangles (`queries`), and scenes that break ray tracers, each held to a
-//! property or a closed answer that needs no renderer to decide.
+//! Tests of hits as numbers: trees against loops over all triangles (`queries`), and cases that break ray tracers,
+//! each with a property or an exact result that is known without a renderer.
 //!
-//! Every such scene states the bound that its error analysis gives and what was measured; both go into a file named by
-//! `A2_NUMERICS_TABLE`, if that is set, and from there into `docs/numerics.md` (by `scripts/numerics.sh`). Built with
-//! the `f32` feature the same cases show what single precision loses, and many fail; that is what they are for.
+//! Every case has an error bound from its analysis and a measured error. Both are written to the file that
+//! `A2_NUMERICS_TABLE` names, if it is set; `scripts/numerics.sh` puts them into `docs/numerics.md`. Built with the
+//! `f32` feature, the same cases show what single precision loses: many of them fail, as they should.
 
 mod acne;
 mod exact;

@@ -1,16 +1,16 @@
-//! Pictures of odd shapes, ranges of depths, and the seams of cube maps.
+//! Pictures of unusual sizes, depth ranges, and the seams of cube maps.
 
-use super::support::{CAMERA, Studio, check, check_that, objects, vector, ways};
+use super::support::{CAMERA, Studio, check, check_that, modes, objects, vector};
 use a2::cube_map::CubeMap;
 use a2::render::Pixel;
 use a2::trace::Seen;
 use vecmath::Real;
 
 #[test]
-fn one_pixel_wide_or_high() {
+fn pictures_one_pixel_wide_or_high_show_the_middle() {
     let scene = objects("Sphere { center 0 0 0 radius 1 }");
-    for way in ways() {
-        let film = |size: &str| Studio::new(&scene, &format!("-size {size} {}", way.flags)).at(way).film();
+    for mode in modes() {
+        let film = |size: &str| Studio::new(&scene, &format!("-size {size} {}", mode.flags)).at(mode).film();
         let lone = film("1 1").color.unwrap();
         check_that("1 x 1: the middle of the picture", lone == film("3 3").color.unwrap()[12..15]);
         let (row, column) = (film("5 1"), film("1 5"));
@@ -28,19 +28,19 @@ fn one_pixel_wide_or_high() {
 }
 
 #[test]
-fn sixty_five_thousand_pixels_wide() {
+fn pictures_65536_pixels_wide_are_symmetric() {
     let scene = objects("Sphere { center 0 0 0 radius 1 }");
-    for way in ways() {
-        let film = Studio::new(&scene, &format!("-size 65536 1 {}", way.flags)).at(way).film();
+    for mode in modes() {
+        let film = Studio::new(&scene, &format!("-size 65536 1 {}", mode.flags)).at(mode).film();
         let bytes = film.depth.unwrap();
-        // Left and right are mirror images: the sphere's outline is where the other side's is.
+        // The scene is symmetric, so left and right are mirror images to the bit.
         check_that("65,536 x 1: symmetric", bytes.iter().eq(bytes.iter().rev()));
         check_that("65,536 x 1: the sphere in the middle", bytes[32_768] == 255 && bytes[0] == 0);
     }
 }
 
 #[test]
-fn depth_ranges() {
+fn depth_ranges_may_be_empty_inverted_or_denormal() {
     let depth = |t: f64, min: f64, max: f64| {
         let seen = Seen { depth: Some(t as Real), ..Seen::default() };
         let mut pixel = Pixel::default();
@@ -57,7 +57,7 @@ fn depth_ranges() {
     check_that("infinite difference of a depth range: no NaN", !depth(1.0, -1.7e308, 1.7e308).is_nan());
 }
 
-/// A cube map of one colour a face, of these sizes: red is 40 times the face's number.
+/// Makes a cube map with faces of these sizes. Each has one colour: red is 40 times the face's index.
 fn cube_map(sizes: [u32; 6]) -> (tempfile::TempDir, CubeMap) {
     let folder = tempfile::tempdir().unwrap();
     for (face, (name, size)) in ["right", "left", "up", "down", "front", "back"].into_iter().zip(sizes).enumerate()
@@ -70,7 +70,7 @@ fn cube_map(sizes: [u32; 6]) -> (tempfile::TempDir, CubeMap) {
 }
 
 #[test]
-fn seams_edges_and_corners_of_cube_maps() {
+fn edges_and_corners_of_cube_maps_show_an_adjacent_face() {
     for (case, sizes) in [("1 x 1", [1; 6]), ("unequal", [1, 2, 3, 5, 64, 17])] {
         let (_folder, map) = cube_map(sizes);
         let mut wrong = 0;
@@ -83,7 +83,7 @@ fn seams_edges_and_corners_of_cube_maps() {
                         continue;
                     }
                     let level = f64::from(map.color(vector([x, y, z])).x) * 255.0;
-                    // Any face whose axis is the largest to rounding will do, and a mean of texels of one is its colour.
+                    // Any face is right whose axis is the largest up to rounding. All its texels have its colour.
                     let largest = absolute.into_iter().fold(0.0, f64::max);
                     let fits = (0..3).any(|axis| {
                         let face = 2 * axis + usize::from([x, y, z][axis] < 0.0);
@@ -105,8 +105,8 @@ fn seams_edges_and_corners_of_cube_maps() {
 }
 
 #[test]
-fn far_from_the_origin_pictures_are_the_same() {
-    // Everything moved by 2^20, in numbers that stay exact: the rays are the same, and so is every difference.
+fn pictures_far_from_the_origin_are_the_same() {
+    // Everything is moved by 2^20, and all numbers stay exact: so are the rays and every difference.
     let scene = |shift: f64| {
         let at = |x: f64| x + shift;
         format!(
@@ -128,9 +128,9 @@ fn far_from_the_origin_pictures_are_the_same() {
             at(0.25)
         )
     };
-    for way in ways() {
-        let flags = format!("-size 64 64 -depth 3 7 d.png {}", way.flags);
-        let film = |shift: f64| Studio::new(&scene(shift), &flags).at(way).film();
+    for mode in modes() {
+        let flags = format!("-size 64 64 -depth 3 7 d.png {}", mode.flags);
+        let film = |shift: f64| Studio::new(&scene(shift), &flags).at(mode).film();
         for (case, shift) in [("2^20", 1048576.0), ("-2^30", -1073741824.0)] {
             check_that(
                 &format!("scene moved by {case}: the same depth picture"),

@@ -1,7 +1,7 @@
-//! Planes, and the normals that scenes give them.
+//! Planes, and normals of any length.
 
 use super::exact::{at, dot, q, size, v};
-use super::support::{Random, Studio, U, check, check_that, objects, ray, vector, ways};
+use super::support::{Random, Studio, U, check, check_that, modes, objects, ray, vector};
 use a2::objects::Ray;
 use vecmath::Vector3;
 
@@ -10,8 +10,8 @@ fn plane(normal: [f64; 3], offset: f64) -> String {
     objects(&format!("Plane {{ normal {x:e} {y:e} {z:e} offset {offset:e} }}"))
 }
 
-/// |n . hit - offset| over |n| . (|o| + t |d|) and |offset|, in u; t = (offset - n.o)/(n.d) has 4 u in the numerator and
-/// 3 u + 1 u of |n| . |t d| below: 8 u.
+/// Returns |n . hit - offset| in u of |n| . (|o| + t |d|) + |offset|. t = (offset - n.o)/(n.d) has 4 u in the
+/// numerator, and 3 u + 1 u of |n| . |t d| in the denominator: 8 u.
 fn residual(normal: Vector3, offset: f64, ray: &Ray, t: Option<f64>) -> f64 {
     let Some(t) = t else { return f64::INFINITY };
     let (n, point) = (v(normal), at(&v(ray.origin), &v(ray.direction), &q(t)));
@@ -31,14 +31,14 @@ fn hits_lie_on_the_plane_at_every_angle() {
         ("plane with a normal of length 1e200", [6e199, 6.4e199, -4.8e199], 2e200, 0.3),
         ("plane with a normal of length 1e-200", [6e-201, 6.4e-201, -4.8e-201], 2e-200, 0.3),
     ] {
-        for way in ways() {
-            let studio = Studio::new(&plane(normal, offset), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&plane(normal, offset), mode.flags).at(mode);
             let n = vector(normal).normalized();
             let along = Vector3::new(0.3, 0.2, 0.9).cross(n).normalized();
             let towards = n * if offset < 0.0 { -1.0 } else { 1.0 };
             let direction = (along + towards * slope as vecmath::Real).normalized();
             let ray = Ray { origin: vector([0.1, 0.2, 0.3]), direction };
-            // Lengths of normals do not matter, so exact numbers may be taken for unit ones.
+            // The length of the normal does not matter, so the exact numbers need not be a unit vector.
             let scale = f64::from(vector(normal).max_abs());
             let given = vector(normal.map(|x| x / scale));
             let worst = residual(given, offset / scale, &ray, studio.t(&ray));
@@ -48,9 +48,9 @@ fn hits_lie_on_the_plane_at_every_angle() {
 }
 
 #[test]
-fn through_the_eye_and_parallel_it_is_not_seen() {
-    for way in ways() {
-        let studio = Studio::new(&plane([0.0, 1.0, 0.0], 0.0), way.flags).at(way);
+fn planes_through_the_eye_and_parallel_ones_are_not_seen() {
+    for mode in modes() {
+        let studio = Studio::new(&plane([0.0, 1.0, 0.0], 0.0), mode.flags).at(mode);
         let level = [ray([3.0, 0.0, 5.0], [0.0, 0.0, -1.0]), ray([3.0, 0.0, 5.0], [1.0, 0.0, 0.0])];
         check_that("plane through the eye: no hit along it", level.iter().all(|ray| studio.t(ray).is_none()));
         let leaving = [ray([0.0, 0.0, 5.0], [0.6, -0.8, 0.0]), ray([0.0, -0.0, 5.0], [0.6, 0.8, -0.0])];
@@ -61,9 +61,9 @@ fn through_the_eye_and_parallel_it_is_not_seen() {
 }
 
 #[test]
-fn a_normal_of_any_length_is_the_same_plane() {
-    // The starter shades with the normal as given, |N| times as bright and with a longer mirrored ray; that is the answer
-    // without -robust. With it the pictures of a unit normal and of a longer one are the same.
+fn a_normal_of_any_length_gives_the_same_plane() {
+    // The starter shades with the normal as given: |N| times as bright and with a longer mirrored ray. So does the
+    // default. With -robust the pictures of a unit normal and of a longer one are the same.
     let scene = |length: f64| {
         format!(
             "PerspectiveCamera {{ center 0 1 5 direction 0 -0.2 -1 up 0 1 0 angle 60 }}
@@ -93,7 +93,7 @@ fn a_normal_of_any_length_is_the_same_plane() {
 }
 
 #[test]
-fn a_normal_that_is_no_unit_vector_gets_a_hint() {
+fn a_normal_that_is_not_a_unit_vector_gets_a_hint() {
     let hints = |flags: &str| Studio::new(&plane([0.0, 2.0, 0.0], 0.0), flags).warnings.join("\n");
     let said = hints("");
     check_that(
@@ -108,12 +108,12 @@ fn a_normal_that_is_no_unit_vector_gets_a_hint() {
 }
 
 #[test]
-fn random_planes_and_rays() {
+fn hits_of_random_planes_and_rays_lie_on_the_plane() {
     let mut random = Random(11);
     for _ in 0..200 {
         let (normal, offset) = (random.unit(), random.signed() * 10_f64.powf(9.0 * random.signed()));
         let studio = Studio::new(&plane(normal, offset), "");
-        // What the text says is what the program reads, to the last bit.
+        // The program parses the numbers of the text to the last bit.
         for _ in 0..5 {
             let ray = Ray { origin: vector(random.unit()), direction: vector(random.unit()) };
             if let Some(t) = studio.t(&ray) {

@@ -1,4 +1,4 @@
-//! Random scenes over 18 orders of magnitude: what must hold for all of them.
+//! Properties of random scenes over 18 orders of magnitude.
 
 use super::exact::{Q, V, cross, dot, f, length, q, sub, v};
 use super::support::{CAMERA, Studio, check, objects, vector};
@@ -14,7 +14,7 @@ fn point() -> impl Strategy<Value = [f64; 3]> {
     [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0]
 }
 
-/// A direction; near-zero ones are as good as any once a constant is added.
+/// A unit vector. A constant is added to points near zero, which have no good direction.
 fn unit() -> impl Strategy<Value = [f64; 3]> {
     point().prop_map(|p| {
         let p = [p[0] + 1e-3, p[1], p[2]];
@@ -35,26 +35,36 @@ fn words(p: [f64; 3]) -> String {
     format!("{:e} {:e} {:e}", p[0], p[1], p[2])
 }
 
-/// A ray from `distance` away to `target`.
+/// Makes a ray to `target` from a distance of `distance`.
 fn ray_to(target: [f64; 3], from: [f64; 3], distance: f64) -> Ray {
     let origin = vector(sum(target, scaled(from, distance)));
     Ray { origin, direction: (vector(target) - origin).normalized() }
 }
 
-/// Holds a surface point to its promise: it is off the surface by at most its gap, and points twice its gap off on either
-/// side are on that side by exact arithmetic, and no test from there meets the surface again on the way out. `height` is
-/// the exact height of a point over the surface (its sign is the side), to first order.
-fn keeps_its_promise(case: &str, studio: &Studio, surface: &SurfacePoint, height: impl Fn(&V) -> Q, convex: bool) {
-    let gap = q(f64::from(surface.error_bound));
+/// Checks a surface point: it is off the surface by at most its error bound; ray origins on either side are on that
+/// side by exact arithmetic; and rays that leave from there do not hit the surface again. `height` is the exact
+/// height of a point over the surface (its sign is the side), to first order.
+fn check_surface_point(
+    case: &str,
+    studio: &Studio,
+    surface: &SurfacePoint,
+    height: impl Fn(&V) -> Q,
+    convex: bool,
+) {
+    let error_bound = q(f64::from(surface.error_bound));
     let off = height(&v(surface.point)).abs();
-    check(&format!("{case}: distance of the point from the surface, of its gap"), 1.0, f(&(off / &gap)));
+    check(
+        &format!("{case}: distance of the point from the surface, of its error bound"),
+        1.0,
+        f(&(off / &error_bound)),
+    );
     for side in [-1.0, 1.0_f64] {
         let direction = surface.normal * side as vecmath::Real;
         let origin = surface.beside(direction);
         let wrong = (height(&v(origin)) * q(side)) <= q(0.0);
         check(&format!("{case}: origins on the wrong side"), 0.0, f64::from(u8::from(wrong)));
         if side > 0.0 || !convex {
-            // Straight out, and at a graze.
+            // A ray along the normal, and one along the surface.
             let along = surface.normal.cross(vector([0.3, 0.5, -0.8])).normalized();
             for slope in [1.0, 1e-2, 1e-6] {
                 let leaving = Ray { origin, direction: (direction * slope + along).normalized() };
@@ -78,14 +88,14 @@ proptest! {
         radius in magnitude(), away in magnitude(), center in point(), inside in point(), from in unit(), distance in 1.5..1e4_f64,
     ) {
         let center = scaled(center, away);
-        // A sphere below the rounding of its own place is no sphere.
+        // A sphere must be larger than the rounding of its centre.
         prop_assume!(radius > away * 1e-12);
         let studio = Studio::new(&objects(&format!("Sphere {{ center {} radius {radius:e} }}", words(center))), "");
         let ray = ray_to(sum(center, scaled(inside, 0.5 * radius)), from, distance * radius);
         let hit = studio.hit(&ray).ok_or_else(|| TestCaseError::reject("a miss"))?;
         let surface = studio.surface_point(&ray, &hit);
         let height = |p: &V| length(&sub(p, &v(vector(center)))) - q(f64::from(radius as vecmath::Real));
-        keeps_its_promise("random sphere", &studio, &surface, height, true);
+        check_surface_point("random sphere", &studio, &surface, height, true);
     }
 
     #[test]
@@ -99,7 +109,7 @@ proptest! {
         let n = v(vector(given));
         let of_unit = length(&n);
         let height = |p: &V| (dot(&n, p) - q(f64::from((offset * long) as vecmath::Real))) / &of_unit;
-        keeps_its_promise("random plane", &studio, &surface, height, false);
+        check_surface_point("random plane", &studio, &surface, height, false);
     }
 
     #[test]
@@ -113,7 +123,7 @@ proptest! {
         let exact = corners.map(|corner| v(vector(corner)));
         let normal = cross(&sub(&exact[1], &exact[0]), &sub(&exact[2], &exact[0]));
         let long = length(&normal);
-        // Slivers have tests of their own; here the aspect stays below a thousand or so.
+        // Slivers have tests of their own. Here the aspect is at most about a thousand.
         prop_assume!(f(&long) > 1e-3 * size * size);
         let text = format!("Triangle {{ vertex0 {} vertex1 {} vertex2 {} }}", words(corners[0]), words(corners[1]), words(corners[2]));
         let studio = Studio::new(&objects(&text), "");
@@ -123,7 +133,7 @@ proptest! {
         let hit = studio.hit(&ray).ok_or_else(|| TestCaseError::reject("a miss"))?;
         let surface = studio.surface_point(&ray, &hit);
         let height = |p: &V| dot(&normal, &sub(p, &exact[0])) / &long;
-        keeps_its_promise("random triangle", &studio, &surface, height, false);
+        check_surface_point("random triangle", &studio, &surface, height, false);
     }
 
     #[test]
@@ -140,8 +150,8 @@ proptest! {
         );
         let studio = Studio::new(&objects(&text), "");
         let transform = studio.scene.geometry.objects[0].transform.clone().unwrap();
-        // The surface is what the inverse matrix, as it is, takes to the unit sphere; height over it in world space is that in
-        // object space over what the matrix makes of the normal.
+        // The surface is the set of points that the rounded inverse takes to the unit sphere. The height over it in
+        // world space is the height in object space, divided by the length of the transformed normal.
         let columns = transform.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
         let image = |p: &V| -> V {
             [0, 1, 2].map(|i| &columns[0][i] * &p[0] + &columns[1][i] * &p[1] + &columns[2][i] * &p[2] + &columns[3][i])
@@ -155,11 +165,11 @@ proptest! {
         let back = [0, 1, 2].map(|k| dot(&local, &columns[k]));
         let per_world_unit = length(&back) / length(&local);
         let height = |p: &V| (length(&image(p)) - q(1.0)) / &per_world_unit;
-        keeps_its_promise("random transformed sphere", &studio, &surface, height, true);
+        check_surface_point("random transformed sphere", &studio, &surface, height, true);
     }
 }
 
-/// Spheres, a floor and triangles, of a size and in an order.
+/// Makes a scene of spheres, a floor and triangles, at a scale and in an order.
 fn still_life(scale: f64, reversed: bool) -> String {
     let s = |x: f64| format!("{:e}", x * scale);
     let mut members = [
@@ -205,7 +215,7 @@ fn still_life(scale: f64, reversed: bool) -> String {
 
 #[test]
 fn a_rescaled_scene_gives_the_same_picture() {
-    // By powers of two nothing is rounded differently, whatever the path: byte for byte.
+    // A power of two changes no rounding anywhere, so all bytes are equal.
     let film =
         |scale: f64| Studio::new(&still_life(scale, false), "-size 60 45 -shadows -bounces 4 -robust").film();
     let usual = film(1.0);
@@ -215,7 +225,7 @@ fn a_rescaled_scene_gives_the_same_picture() {
             usual.color.iter().flatten().zip(other.color.iter().flatten()).filter(|(a, b)| a != b).count();
         check(&format!("scene scaled by 2^{power}, -robust: bytes that change"), 0.0, differing as f64);
     }
-    // The starter's 0.01 is another share of the scene, and shows.
+    // The starter's 0.01 is another share of the scene, which changes the picture.
     let starters =
         |scale: f64| Studio::new(&still_life(scale, false), "-size 60 45 -shadows -bounces 4").film().color;
     assert_ne!(starters(1.0), starters(2_f64.powi(-10)));
@@ -234,9 +244,10 @@ fn a_permuted_scene_gives_the_same_picture() {
 }
 
 #[test]
-fn a_moved_scene_gives_the_same_picture_but_for_its_rounding() {
-    // Moved by 2^12: points are rounded to 2^-41 instead of 2^-53, and so are colours, up to 1e-12 / 1e-2 where a highlight is
-    // steep: a byte in a million changes by one level; at an edge of a shadow or of an object a pixel may change sides.
+fn a_moved_scene_gives_the_same_picture_up_to_rounding() {
+    // After a translation by 2^12 points are rounded to 2^-41 instead of 2^-53. Colours change by up to 1e-12 / 1e-2
+    // where a highlight is steep: one byte in a million changes by a level. At the edge of a shadow or of an object a
+    // pixel may change completely.
     let scene = |shift: f64| {
         let text = format!(
             "{}Lights {{ numLights 1 DirectionalLight {{ direction -0.5 -1 -0.25 color 0.75 0.75 0.75 }} }}

@@ -1,5 +1,5 @@
-//! The contract of the trees: every query is answered as by a loop over all triangles or all objects, to the last bit,
-//! with every instruction set, for one ray and for a packet.
+//! The contract of the trees: every query has the result of a loop over all triangles or all objects, to the last
+//! bit, with every instruction set, for one ray and for a packet.
 
 use a2::objects::{
     Hit, Mesh, Object, Plane, PreparedRay, Ray, Shape, Sphere, SurfaceHit, T_MAX, Transform, Triangle,
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use vecmath::{Matrix4, Real, Vector3};
 
-/// All instruction sets that this machine has.
+/// Returns all instruction sets that this machine has.
 fn instruction_sets() -> Vec<InstructionSet> {
     let here: Vec<_> = InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name)).collect();
     if here.len() < InstructionSet::NAMES.len() {
@@ -22,15 +22,15 @@ fn instruction_sets() -> Vec<InstructionSet> {
     here
 }
 
-/// A scene that is one mesh.
+/// Makes a scene of one mesh.
 fn geometry(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Geometry {
     let mesh = Mesh::new(positions, triangles);
     let object = Object::new(Shape::Mesh(0), None, 0, Some(mesh.bounds()));
     Geometry::new(vec![object], vec![mesh], InstructionSet::detected())
 }
 
-/// Checks the structure of a mesh's tree, and that every triangle is in it once. A mesh beyond the range of `f32` has no
-/// tree.
+/// Checks the structure of a mesh's tree, and that every triangle is in it once. A mesh with a coordinate that is not
+/// finite has no tree.
 fn validate(mesh: &Mesh) -> Result<(), String> {
     let Some(tree) = build_mesh_tree(mesh) else {
         let is_ordinary = mesh.bounds().max_abs() < 1e30;
@@ -45,14 +45,14 @@ fn validate(mesh: &Mesh) -> Result<(), String> {
     if triangles == all { Ok(()) } else { Err("not every triangle is in one leaf".into()) }
 }
 
-/// The same cases at every run.
+/// Runs a property test with the same cases at every run.
 fn check<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), TestCaseError>) {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let config = Config { cases, failure_persistence: None, ..Config::default() };
     TestRunner::new_with_rng(config, rng).run(&strategy, test).unwrap();
 }
 
-/// Small whole numbers make coplanar, axis-parallel, touching and coinciding things likely; the other ones spread out.
+/// Small whole numbers, which make coplanar, axis-parallel, touching and equal triangles likely, and other numbers.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         6 => (-3i8..=3).prop_map(f32::from),
@@ -95,14 +95,14 @@ fn any_ray() -> impl Strategy<Value = Ray> {
         .prop_map(|(origin, direction)| Ray { origin: origin.into(), direction: direction.into() })
 }
 
-/// A bit pattern of everything that a hit says: NaN equals NaN.
+/// All numbers of a hit as bits, so that NaN equals NaN.
 type Bits = (u32, u64, [u64; 3]);
 
 fn bits(hit: &Option<SurfaceHit>) -> Option<Bits> {
     hit.map(|hit| (hit.triangle, hit.t.to_bits(), hit.barycentric.map(Real::to_bits)))
 }
 
-/// The definition: the nearest of all triangles' hits, the first one of equals.
+/// Finds the closest hit by the definition: the nearest hit of all triangles, and the first one of equals.
 fn closest_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
     let mut closest: Option<SurfaceHit> = None;
     for triangle in 0..mesh.triangle_count() as u32 {
@@ -119,7 +119,7 @@ fn any_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> bool {
     triangles.any(|triangle| intersect_triangle(ray, mesh.corners(triangle)).is_some_and(|hit| hit.t <= t_max))
 }
 
-/// An object's closest hit, with a loop over the triangles of its mesh.
+/// Finds an object's closest hit, with a loop over the triangles of its mesh.
 fn closest_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
     object.closest_hit(ray, t_max, |mesh, ray| closest_by_loop(&meshes[mesh as usize], ray, t_max))
 }
@@ -131,13 +131,13 @@ fn any_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Rea
     })
 }
 
-/// Rays one by one and 64 at a time, with every instruction set, against the loop. The object that is the mesh adds its
-/// own rule, that a hit lies in its bounds, to both sides.
+/// Compares single rays and packets, with every instruction set, with the loop. The rule that a hit lies in the
+/// object's bounds applies to both.
 fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
     let rays: Vec<PreparedRay> = rays.iter().map(|ray| PreparedRay::new(*ray)).collect();
     let (object, meshes) = (&geometry.objects[0], &geometry.meshes);
     let expected: Vec<_> = rays.iter().map(|ray| closest_of_object(object, meshes, ray, T_MAX)).collect();
-    // A limit that is met exactly shows whether it is meant inclusively.
+    // A limit equal to the t of the hit shows whether the limit is inclusive.
     let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(5.0, |hit| hit.t)).collect();
     let mut scratch = Scratch::default();
     for set in instruction_sets() {
@@ -172,7 +172,7 @@ fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Rays towards the corners, the edges and the insides of triangles, where hits are decided by the last bits.
+/// Makes rays towards corners, edges and insides of triangles, where the last bits decide.
 fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
     let count = mesh.triangle_count().min(40) as u32;
     let targets = (0..count).flat_map(|triangle| {
@@ -181,7 +181,7 @@ fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
     });
     let aimed = |target: Vector3| {
         let from_eye = Ray { origin: eye, direction: target - eye };
-        // From the surface itself, and past it.
+        // A ray that starts on the surface.
         let from_target = Ray { origin: target, direction: sideways };
         let axis_parallel = Ray { origin: target - sideways, direction: Vector3::new(0.0, 0.0, -1.0) };
         [from_eye, from_target, axis_parallel]
@@ -190,7 +190,7 @@ fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
 }
 
 #[test]
-fn a_mesh_answers_as_the_loop_does() {
+fn queries_of_a_mesh_agree_with_the_loop() {
     let cases = (soup(), prop::collection::vec(any_ray(), 1..80));
     check(150, cases, |((positions, triangles), rays)| {
         let geometry = geometry(positions, triangles);
@@ -200,7 +200,7 @@ fn a_mesh_answers_as_the_loop_does() {
 }
 
 #[test]
-fn a_mesh_answers_as_the_loop_does_at_edges_and_corners() {
+fn queries_at_edges_and_corners_agree_with_the_loop() {
     check(80, (soup(), any_ray()), |((positions, triangles), ray)| {
         let geometry = geometry(positions, triangles);
         let rays = aimed_rays(&geometry.meshes[0], ray.origin, ray.direction);
@@ -208,9 +208,9 @@ fn a_mesh_answers_as_the_loop_does_at_edges_and_corners() {
     });
 }
 
-/// A wavy square of 2 `side`^2 triangles, seen at every scale and distance by rays that lie side by side.
+/// A wavy square of 2 `side`^2 triangles is seen at every scale and distance by rays that lie side by side.
 #[test]
-fn coherent_rays_answer_as_the_loop_does() {
+fn queries_of_coherent_rays_agree_with_the_loop() {
     let side = 24u32;
     let height = |x: u32, y: u32| ((x * 7 + y * 13) % 5) as f32 * 0.01;
     for (scale, distance) in [(1.0f32, 3.0), (1.0, 0.02), (1e-9, 1.0), (1e15, 1e4), (1.0, 1e9), (1e-30, 2.0)] {
@@ -252,7 +252,7 @@ fn transform() -> impl Strategy<Value = Option<Matrix4>> {
     prop::option::of(matrix)
 }
 
-/// Objects as `compile` would make them, of two meshes, spheres, triangles and planes, some of them twice.
+/// Objects as `compile` makes them: instances of two meshes, spheres, triangles and planes, some of them twice.
 fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
     let object = (0..6u8, transform(), position(), position(), 0u32..3);
     (prop::collection::vec(object, 1..40), soup(), soup()).prop_map(|(objects, one, other)| {
@@ -278,8 +278,8 @@ fn hit_bits(hit: &Option<Hit>) -> Option<(u32, Bits)> {
     hit.and_then(|hit| Some((hit.object, bits(&Some(hit.surface))?)))
 }
 
-/// What a packet's rays hit, and whether anything blocks them. Asking for a part of the lanes must change nothing.
-fn answers_of_packet(
+/// Runs both queries for a packet. A mask with only a part of the lanes must change nothing for these lanes.
+fn packet_queries(
     geometry: &Geometry,
     rays: &[Ray],
     limits: &[Real],
@@ -311,7 +311,7 @@ fn answers_of_packet(
 }
 
 #[test]
-fn a_scene_answers_as_the_loop_does() {
+fn queries_of_a_scene_agree_with_the_loop() {
     check(150, (scene(), prop::collection::vec(any_ray(), 1..90)), |((objects, meshes), rays)| {
         let by_loop = |ray: &Ray| {
             let ray = PreparedRay::new(*ray);
@@ -339,7 +339,7 @@ fn a_scene_answers_as_the_loop_does() {
             geometry.instruction_set = set;
             let mut answers = Vec::new();
             for (rays, limits) in rays.chunks(PACKET).zip(limits.chunks(PACKET)) {
-                answers.extend(answers_of_packet(&geometry, rays, limits, &mut scratch)?);
+                answers.extend(packet_queries(&geometry, rays, limits, &mut scratch)?);
             }
             for (number, ray) in rays.iter().enumerate() {
                 let single = geometry.closest_hit(ray);
@@ -353,10 +353,9 @@ fn a_scene_answers_as_the_loop_does() {
     });
 }
 
-/// Directions so short that the reciprocal of a component has no finite value, though its share of the whole is not
-/// small.
+/// The directions are so short that the reciprocal of a component is infinite although the component is not zero.
 #[test]
-fn very_short_directions_answer_as_the_loop_does() {
+fn queries_with_very_short_directions_agree_with_the_loop() {
     let length = Real::MIN_POSITIVE * 1.3e8;
     for turn in 0..3 {
         let turned = |mut p: [Real; 3]| {
@@ -368,7 +367,7 @@ fn very_short_directions_answer_as_the_loop_does() {
         let geometry = geometry(positions, vec![[0, 1, 2], [0, 2, 3]]);
         let ray = |i: u32| {
             let share = Real::from(i as f32 - 40.0) * 0.1e-9;
-            // As short is the way to the mesh, so that t is an ordinary number.
+            // The distance to the mesh is as short, so that t is an ordinary number.
             let origin = turned([0.2, 0.1, 3.0 * length]).into();
             Ray { origin, direction: turned([share * length, 0.25 * share * length, -length]).into() }
         };
@@ -380,9 +379,9 @@ fn very_short_directions_answer_as_the_loop_does() {
     }
 }
 
-/// A chain in which every triangle is half as large as the one before gives deep trees.
+/// The tree is deep, because every triangle is half as large as the triangle before.
 #[test]
-fn deep_trees_answer_as_the_loop_does() {
+fn queries_of_deep_trees_agree_with_the_loop() {
     let mut positions = Vec::new();
     for i in 0..120 {
         let size = (0.5f32).powi(i);
@@ -395,9 +394,10 @@ fn deep_trees_answer_as_the_loop_does() {
     mesh_agrees(&geometry, &rays).unwrap();
 }
 
-/// A mesh so small that rays come from more than 2^26 times its size, where rounding moves them sideways by more than that.
+/// The rays come from more than 2^26 times the size of the mesh, so that rounding in `f32` moves them sideways by
+/// more than its size.
 #[test]
-fn rays_from_very_far_answer_as_the_loop_does() {
+fn queries_from_very_far_agree_with_the_loop() {
     let size = 1e-31f32;
     let positions = (0..60).flat_map(|i: u32| {
         let at = |k: u32| [(i * 7 + k * 3) % 5, (i * 3 + k) % 7, (i + k * 5) % 4].map(|c| c as f32 * size);
@@ -419,9 +419,9 @@ fn rays_from_very_far_answer_as_the_loop_does() {
     mesh_agrees(&geometry, &rays).unwrap();
 }
 
-/// Directions so long that a hit's t has no more than a few digits.
+/// The directions are so long that the t of a hit has only a few digits.
 #[test]
-fn very_long_directions_answer_as_the_loop_does() {
+fn queries_with_very_long_directions_agree_with_the_loop() {
     let position = |i: u32| [(i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32].map(|c| c * 1e-16);
     let positions = (0..90).map(position).collect();
     let geometry = geometry(positions, (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
@@ -434,9 +434,9 @@ fn very_long_directions_answer_as_the_loop_does() {
     mesh_agrees(&geometry, &rays).unwrap();
 }
 
-/// Rays up and down a column of slices meet every box of the tree, so that more is pending than there is room for.
+/// Rays along a column of slices meet every box of the tree, so that stacks overflow.
 #[test]
-fn rays_that_meet_everything_answer_as_the_loop_does() {
+fn queries_that_meet_every_box_agree_with_the_loop() {
     let slices = 40_000;
     let slice = |i: u32| {
         let z = i as f32 / slices as f32;

@@ -1,12 +1,12 @@
-//! Rays along axes and in planes of boxes, and numbers that are none.
+//! Rays along axes and in planes of boxes, and rays of NaN and infinity.
 
-use super::support::{Studio, check, check_that, objects, ray, ways};
+use super::support::{Studio, check, check_that, modes, objects, ray};
 use a2::objects::{Aabb, PreparedRay, Ray, T_MAX};
 use vecmath::{Real, Vector3};
 
 #[test]
-fn in_the_planes_of_boxes_the_box_is_met() {
-    // 0 * infinity must not decide. Corners are powers of two, so nothing is rounded.
+fn rays_in_the_planes_of_a_box_meet_it() {
+    // 0 * infinity must make no difference. Corners are powers of two, so nothing is rounded.
     let bounds = Aabb { min: Vector3::new(-1.0, -2.0, -4.0), max: Vector3::new(1.0, 2.0, 4.0) };
     let mut missed = 0;
     for axis in 0..3 {
@@ -27,16 +27,16 @@ fn in_the_planes_of_boxes_the_box_is_met() {
     check("rays along the edges and faces of a box: missed", 0.0, f64::from(missed));
 }
 
-/// A cube of side 2 about the origin, as an OBJ file.
+/// A cube of side 2 around the origin, as an OBJ file.
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
     f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 4 8 7\nf 4 7 3\nf 1 5 8\nf 1 8 4\nf 2 3 7\nf 2 7 6\n";
 
 #[test]
-fn along_the_axes_a_cube_is_closed() {
-    // Every axis-parallel ray through edges, corners, diagonals and the middle meets the closed cube at 1.
+fn a_cube_is_closed_for_rays_along_the_axes() {
+    // Every axis-parallel ray through edges, corners, diagonals and the middle hits the closed cube at t = 1.
     let scene = objects("TriangleMesh { obj_file cube.obj }");
-    for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], mode.flags).at(mode);
         let mut wrong = 0;
         for axis in 0..3 {
             for (u, v) in [(0.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (0.0, -1.0), (0.5, 0.5), (-0.25, 0.75)]
@@ -54,13 +54,13 @@ fn along_the_axes_a_cube_is_closed() {
 }
 
 #[test]
-fn what_is_no_number_hits_nothing() {
+fn rays_of_nan_and_infinity_hit_nothing() {
     let scene = objects(
         "Sphere { center 0 0 0 radius 1 } Plane { normal 0 1 0 offset -1 }
         Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 } TriangleMesh { obj_file cube.obj }",
     );
-    for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::with_meshes(&scene, &[("cube.obj", CUBE)], mode.flags).at(mode);
         let mut hits = 0;
         for bad in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY] {
             for place in 0..6 {
@@ -84,10 +84,10 @@ fn what_is_no_number_hits_nothing() {
 }
 
 #[test]
-fn beyond_the_largest_float_nothing_is_hit() {
-    for way in ways() {
-        let studio = Studio::new(&objects("Plane { normal 0 1 0 offset -1 }"), way.flags).at(way);
-        // Just under and just over the largest f32, where the starter's search for the nearest hit begins.
+fn nothing_is_hit_beyond_the_largest_f32() {
+    for mode in modes() {
+        let studio = Studio::new(&objects("Plane { normal 0 1 0 offset -1 }"), mode.flags).at(mode);
+        // Just below and just above the largest f32, where the starter's search for the nearest hit begins.
         let t = |slope: f64| studio.t(&ray([0.0, 0.0, 0.0], [1.0, -slope, 0.0]));
         check_that("hit at a distance of 3.3e38: counts", t(1.0 / 3.3e38).is_some());
         check_that("hit at a distance of 3.5e38: does not", t(1.0 / 3.5e38).is_none());
@@ -95,8 +95,8 @@ fn beyond_the_largest_float_nothing_is_hit() {
 }
 
 #[test]
-fn the_tree_and_the_loop_say_the_same() {
-    // Forty triangles and spheres: coplanar, duplicate, edge-on, thin; random and axis-parallel rays.
+fn the_tree_and_the_loop_agree() {
+    // Forty triangles and spheres are coplanar, equal, edge-on or thin; rays are random and axis-parallel.
     let mut text = String::new();
     for i in 0..10 {
         let x = 0.1 * f64::from(i);
@@ -110,8 +110,8 @@ fn the_tree_and_the_loop_say_the_same() {
         );
     }
     let scene = objects(&text);
-    for way in ways() {
-        let studio = Studio::new(&scene, way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::new(&scene, mode.flags).at(mode);
         let mut random = super::support::Random(4);
         let mut different = 0;
         for i in 0..20_000 {

@@ -1,12 +1,12 @@
 //! Spheres of any size, at any distance.
 //!
-//! The bound of all of them: the hit o + t d, taken without further rounding, is off the surface by at most 16 u of
-//! the distance between origin and centre and the radius. With f = o - c (1 u), t = c / q: c and q have 7 u each and
-//! lose nothing by cancellation from outside; the discriminant, through the nearest point to the centre, has 3 u of
-//! |f| a coordinate, which is as much across the surface.
+//! The error bound of all cases: the hit o + t d, computed without further rounding, is off the surface by at most 16
+//! u of the radius plus the distance between origin and centre. With f = o - c (1 u) and t = c / q, c and q have 7 u
+//! each, and from outside no digits cancel. The discriminant, computed from the point nearest to the centre, has 3 u
+//! of |f| in each coordinate, and moves the hit by as much across the surface.
 
 use super::exact::{at, dot, f, q, size, sqrt, sub, v};
-use super::support::{Random, Studio, U, Way, check, check_that, objects, ray, vector, ways};
+use super::support::{Mode, Random, Studio, U, check, check_that, modes, objects, ray, vector};
 use a2::objects::Ray;
 
 const ROUNDINGS: f64 = 16.0;
@@ -16,7 +16,7 @@ fn sphere(center: [f64; 3], radius: f64) -> String {
     objects(&format!("Sphere {{ center {x:e} {y:e} {z:e} radius {radius:e} }}"))
 }
 
-/// How far off the sphere the hit is, in roundings of distance and radius; infinite for a miss.
+/// Returns the distance of the hit from the sphere, in u of distance and radius; infinite for a miss.
 fn height(ray: &Ray, t: Option<f64>, center: [f64; 3], radius: f64) -> f64 {
     let Some(t) = t else { return f64::INFINITY };
     let offset = sub(&at(&v(ray.origin), &v(ray.direction), &q(t)), &v(vector(center)));
@@ -25,9 +25,9 @@ fn height(ray: &Ray, t: Option<f64>, center: [f64; 3], radius: f64) -> f64 {
     size(&height) / (U * (f(&dot(&start, &start)).sqrt() + radius))
 }
 
-/// Random rays from around `origin` to points inside the sphere; the worst height of a hit.
-fn worst_height(center: [f64; 3], radius: f64, origin: [f64; 3], way: Way) -> f64 {
-    let studio = Studio::new(&sphere(center, radius), way.flags).at(way);
+/// Sends random rays from around `origin` to points inside the sphere, and returns the largest height of a hit.
+fn worst_height(center: [f64; 3], radius: f64, origin: [f64; 3], mode: Mode) -> f64 {
+    let studio = Studio::new(&sphere(center, radius), mode.flags).at(mode);
     let mut random = Random(7);
     let mut worst: f64 = 0.0;
     for _ in 0..300 {
@@ -41,7 +41,7 @@ fn worst_height(center: [f64; 3], radius: f64, origin: [f64; 3], way: Way) -> f6
 }
 
 #[test]
-fn of_every_size_from_every_distance() {
+fn hits_lie_on_spheres_of_every_size_from_every_distance() {
     for (case, center, radius, origin) in [
         ("sphere of radius 1e-6 from 5e-6", [0.0, 0.0, 0.0], 1e-6, [0.0, 0.0, 5e-6]),
         ("sphere of radius 1e-6 from 1", [0.0, 0.0, 0.0], 1e-6, [0.0, 0.0, 1.0]),
@@ -53,8 +53,8 @@ fn of_every_size_from_every_distance() {
         ("sphere of radius 1e-6 from inside", [0.0, 0.0, 0.0], 1e-6, [1e-7, 0.0, 0.0]),
         ("sphere of radius 1e9 from inside", [0.0, 0.0, 0.0], 1e9, [5e8, 0.0, 0.0]),
     ] {
-        for way in ways() {
-            let worst = worst_height(center, radius, origin, way);
+        for mode in modes() {
+            let worst = worst_height(center, radius, origin, mode);
             check(&format!("{case}: height of hits, u (distance + radius)"), ROUNDINGS, worst);
         }
     }
@@ -62,12 +62,13 @@ fn of_every_size_from_every_distance() {
 
 #[test]
 fn a_camera_above_a_planet_sees_its_horizon() {
-    // 2 m above a sphere of radius 6.4e6 the horizon is 5060 m away: sqrt(2 r h + h^2). Rays a little below it hit within
-    // 16 u of the sphere, rays a little above it miss; between lies 1e-9 of an angle, many times what u r / h^(1/2) asks.
+    // 2 m above a sphere of radius 6.4e6 the horizon is 5060 m away: sqrt(2 r h + h^2). Rays a little below it hit
+    // within 16 u of the sphere, and rays a little above it miss. They are 1e-9 radians apart, many times the error
+    // bound.
     let (radius, above) = (6.4e6_f64, 2.0);
     let dip = (radius / (radius + above)).acos();
-    for way in ways() {
-        let studio = Studio::new(&sphere([0.0, -radius, 0.0], radius), way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::new(&sphere([0.0, -radius, 0.0], radius), mode.flags).at(mode);
         let towards = |angle: f64| ray([0.0, above, 0.0], [angle.cos(), -angle.sin(), 0.0]);
         let below = towards(dip + 1e-7);
         check(
@@ -83,10 +84,11 @@ fn a_camera_above_a_planet_sees_its_horizon() {
 }
 
 #[test]
-fn tangent_rays_are_decided_by_distance() {
-    // Rays that pass the centre at (1 + s) radii. The discriminant has 3 u of |f| = 5 and some u of r: 32 u decide.
-    for way in ways() {
-        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags).at(way);
+fn tangent_rays_hit_or_miss_by_their_distance() {
+    // Rays pass the centre at (1 + s) radii. The discriminant has 3 u of |f| = 5 and a few u of r, so 32 u are
+    // enough.
+    for mode in modes() {
+        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), mode.flags).at(mode);
         let mut wrong = 0;
         for step in 1..200 {
             let away = f64::from(step) * 32.0 * U;
@@ -98,10 +100,10 @@ fn tangent_rays_are_decided_by_distance() {
 }
 
 #[test]
-fn from_the_surface_itself() {
-    // Outward misses; inward takes the far side, at 2 cos(angle), with 16 u of 2.
-    for way in ways() {
-        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), way.flags).at(way);
+fn rays_from_the_surface_miss_outward_and_hit_the_far_side_inward() {
+    // The far side is at 2 cos(angle), with 16 u of 2.
+    for mode in modes() {
+        let studio = Studio::new(&sphere([0.0, 0.0, 0.0], 1.0), mode.flags).at(mode);
         let outward = studio.t(&ray([0.0, 0.0, 1.0], [0.6, 0.0, 0.8]));
         check_that("ray from a sphere outward: no hit", outward.is_none());
         let inward = studio.t(&ray([0.0, 0.0, 1.0], [0.6, 0.0, -0.8])).unwrap_or(f64::NAN);
@@ -110,16 +112,16 @@ fn from_the_surface_itself() {
 }
 
 #[test]
-fn t_agrees_with_eighty_digits() {
-    // Head-on: t itself is as well known as the height.
+fn t_agrees_with_a_computation_in_eighty_digits() {
+    // For rays through the centre t itself is as exact as the height.
     for (case, radius, distance) in [
         ("small and near", 1e-6, 2e-6),
         ("small and far", 1e-3, 1e6),
         ("large", 1e9, 1.5e9),
         ("huge and near", 1e9, 1.0e9 + 1.0),
     ] {
-        for way in ways() {
-            let studio = Studio::new(&sphere([0.0, 0.0, 0.0], radius), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&sphere([0.0, 0.0, 0.0], radius), mode.flags).at(mode);
             let direction = vector([1e-3 * radius / distance, 2e-3 * radius / distance, -1.0]).normalized();
             let ray = Ray { origin: vector([0.0, 0.0, distance]), direction };
             let (o, d) = (v(ray.origin), v(ray.direction));
@@ -133,15 +135,15 @@ fn t_agrees_with_eighty_digits() {
 }
 
 #[test]
-fn normals_are_units_that_point_outward() {
-    // (p - c) with p off by 16 u (d + r): the direction by that over r, the length by 4 u.
+fn normals_are_unit_vectors_that_point_outward() {
+    // p is off by 16 u (d + r). So the direction of p - c is off by that over r, and the length by 4 u.
     for (case, center, radius, distance) in [
         ("radius 1e-6", [0.0, 0.0, 0.0], 1e-6, 4e-6),
         ("radius 1e9", [0.0, 0.0, 0.0], 1e9, 4e9),
         ("radius 1e3, 1e9 away", [1e9, 0.0, 0.0], 1e3, 4e3),
     ] {
-        for way in ways() {
-            let studio = Studio::new(&sphere(center, radius), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&sphere(center, radius), mode.flags).at(mode);
             let origin = [center[0] + 0.3 * radius, center[1] - 0.2 * radius, distance];
             let seen = studio.seen(&ray(origin, [0.0, 0.0, -1.0]));
             let (x, y) = ((origin[0] - center[0]) / radius, (origin[1] - center[1]) / radius);

@@ -1,4 +1,4 @@
-//! Small scenes in memory, the ways in which each case must hold, and the record of what was measured.
+//! Small scenes in memory, the modes in which each case must hold, and the table of measured errors.
 
 use a2::args::{self, Request};
 use a2::film::Film;
@@ -14,51 +14,51 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use vecmath::{Real, Vector3};
 
-/// u: the largest relative error of one rounding. In f64 whatever the build, so that bounds stay what they are.
+/// The unit roundoff u of `f64`. With the feature `f32` too, so that error bounds stay the same.
 pub const U: f64 = f64::EPSILON / 2.0;
 
-/// How the program is asked to do what a case is about.
+/// Flags and instruction set of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct Mode {
     /// Added to the command line.
     pub flags: &'static str,
     pub instruction_set: InstructionSet,
 }
 
-impl Way {
+impl Mode {
     pub fn robust(&self) -> bool {
         self.flags.contains("-robust")
     }
 }
 
-/// Every way in which a case must hold: with and without `-robust`, and with every instruction set.
-pub fn ways() -> impl Iterator<Item = Way> {
+/// Returns all modes in which a case must hold: with and without `-robust`, and with every instruction set.
+pub fn modes() -> impl Iterator<Item = Mode> {
     let sets = || InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name));
-    let way = move |flags| sets().map(move |instruction_set| Way { flags, instruction_set });
-    ["", "-robust"].into_iter().flat_map(way)
+    let mode = move |flags| sets().map(move |instruction_set| Mode { flags, instruction_set });
+    ["", "-robust"].into_iter().flat_map(mode)
 }
 
-/// Notes what a case may be off by and what it is off by, and insists.
+/// Adds a case to the table with its error bound and measured error, and checks that the error is within the bound.
 pub fn check(case: &str, bound: f64, measured: f64) {
-    // Whole lines, from any thread.
+    // A lock, because threads must write whole lines.
     static TABLE: Mutex<()> = Mutex::new(());
     if let Some(path) = std::env::var_os("A2_NUMERICS_TABLE") {
         let _guard = TABLE.lock();
         let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).unwrap();
         file.write_all(format!("{case}\t{bound:e}\t{measured:e}\n").as_bytes()).unwrap();
     }
-    // For the table of what single precision loses, all of it is to be known. Nothing turns the checks of `f64` off.
+    // The table of single precision needs all cases, also those that fail. Nothing turns the checks of `f64` off.
     if cfg!(not(feature = "f32")) || std::env::var_os("A2_NUMERICS_KEEP_GOING").is_none() {
         assert!(measured <= bound, "{case}: {measured:e} is over {bound:e}");
     }
 }
 
-/// The same for what is either so or not.
+/// Does the same for a statement that is true or false.
 pub fn check_that(case: &str, holds: bool) {
     check(case, 0.0, f64::from(u8::from(!holds)));
 }
 
-/// A compiled scene.
+/// A compiled scene with its plan and options.
 pub struct Studio {
     pub scene: Scene,
     pub plan: Plan,
@@ -74,10 +74,10 @@ pub fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
     Ray { origin: vector(origin), direction: vector(direction) }
 }
 
-/// A camera that no ray of a case comes from.
+/// A camera, for cases that use rays of their own.
 pub const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 up 0 1 0 angle 30 }\n";
 
-/// A scene of objects with one white material, seen by [`CAMERA`].
+/// Makes the text of a scene of objects with one white material, seen by [`CAMERA`].
 pub fn objects(objects: &str) -> String {
     let count = objects.matches("Sphere {").count()
         + objects.matches("Plane {").count()
@@ -95,12 +95,12 @@ impl Studio {
         Self::with_meshes(text, &[], flags)
     }
 
-    /// A scene that names mesh files, which are given as name and content.
+    /// Compiles a scene with mesh files, given by name and content.
     pub fn with_meshes(text: &str, meshes: &[(&str, &str)], flags: &str) -> Self {
         Self::try_new(text, meshes, flags).unwrap_or_else(|message| panic!("{message}\n{text}"))
     }
 
-    /// What the program says to a scene that it refuses.
+    /// Returns the error message of a scene that must be refused.
     pub fn refusal(text: &str) -> String {
         match Self::try_new(text, &[], "") {
             Ok(_) => panic!("not refused: {text}"),
@@ -125,9 +125,9 @@ impl Studio {
         Ok(Self { scene, plan, warnings, request })
     }
 
-    /// The same scene, with queries by this instruction set.
-    pub fn at(mut self, way: Way) -> Self {
-        self.scene.geometry.instruction_set = way.instruction_set;
+    /// Returns the same scene with the instruction set of a mode.
+    pub fn at(mut self, mode: Mode) -> Self {
+        self.scene.geometry.instruction_set = mode.instruction_set;
         self
     }
 
@@ -139,7 +139,7 @@ impl Studio {
         self.hit(ray).map(|hit| f64::from(hit.surface.t))
     }
 
-    /// The nearest hit by a loop over all objects and all triangles.
+    /// Finds the closest hit by a loop over all objects and all triangles.
     pub fn hit_by_loop(&self, ray: &Ray) -> Option<Hit> {
         let prepared = PreparedRay::new(*ray);
         let mut closest: Option<Hit> = None;
@@ -191,7 +191,7 @@ fn request(line: &str) -> a2::options::Options {
     }
 }
 
-/// Random numbers for tests (SplitMix64): the same at every run.
+/// Makes random numbers for tests (SplitMix64), the same at every run.
 pub struct Random(pub u64);
 
 impl Random {
@@ -202,7 +202,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From -1 to 1.
+    /// Returns a number from -1 to 1.
     pub fn signed(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }

@@ -1,7 +1,7 @@
-//! Transforms that stretch, flatten, mirror and carry objects far away.
+//! Transforms that stretch, flatten and mirror objects, and move them far away.
 
 use super::exact::{at, cross, dot, f, q, size, sub, v};
-use super::support::{Random, Studio, U, check, check_that, objects, ray, vector, ways};
+use super::support::{Random, Studio, U, check, check_that, modes, objects, ray, vector};
 use a2::objects::Ray;
 
 fn transformed(steps: &str, object: &str) -> String {
@@ -12,12 +12,12 @@ const UNIT_SPHERE: &str = "Sphere { center 0 0 0 radius 1 }";
 const UNIT_TRIANGLE: &str = "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 }";
 
 #[test]
-fn scaled_spheres_are_spheres() {
-    // The object-space ray has 4 u of each transformed coordinate, the sphere's own test 16 u of distance and radius.
+fn hits_lie_on_scaled_spheres() {
+    // The ray in object space has 4 u of each coordinate, the sphere's own test 16 u of distance and radius.
     for (case, scale) in [("1e-9", 1e-9), ("1e-6", 1e-6), ("1e6", 1e6), ("1e9", 1e9), ("-1e3", -1e3)] {
-        for way in ways() {
+        for mode in modes() {
             let studio =
-                Studio::new(&transformed(&format!("UniformScale {scale:e}"), UNIT_SPHERE), way.flags).at(way);
+                Studio::new(&transformed(&format!("UniformScale {scale:e}"), UNIT_SPHERE), mode.flags).at(mode);
             let mut random = Random(1);
             let mut worst: f64 = 0.0;
             for _ in 0..100 {
@@ -38,10 +38,10 @@ fn scaled_spheres_are_spheres() {
 }
 
 #[test]
-fn stretched_unevenly_along_the_axes_nothing_is_lost() {
-    // A scaling along the axes has condition number 1, whatever its factors.
-    for way in ways() {
-        let studio = Studio::new(&transformed("Scale 1e9 1 1e-9", UNIT_SPHERE), way.flags).at(way);
+fn an_uneven_scaling_along_the_axes_loses_no_digits() {
+    // A scaling along the axes has condition number 1 for any factors.
+    for mode in modes() {
+        let studio = Studio::new(&transformed("Scale 1e9 1 1e-9", UNIT_SPHERE), mode.flags).at(mode);
         let hit = studio.t(&ray([3e8, 5.0, 2e-10], [0.0, -1.0, 0.0]));
         let exact = 5.0 - (1.0 - 0.09 - 0.04_f64).sqrt();
         check(
@@ -59,13 +59,14 @@ fn stretched_unevenly_along_the_axes_nothing_is_lost() {
 }
 
 #[test]
-fn turned_and_stretched_hits_are_as_good_as_the_condition_number() {
-    // A needle turned by 30 degrees: |M| |M^-1| has row sums near the ratio of the axes, and so many times 4 u (to object
-    // space) plus 16 u (sphere) of the distance is what a hit may be off by. Exactly on its axis the tip is at 1e3.
+fn hits_on_rotated_needles_are_as_exact_as_the_condition_number_says() {
+    // A needle is rotated by 30 degrees, so |M| |M^-1| has row sums near the ratio of its axes. The error bound of a
+    // hit is that ratio times 4 u (to object space) plus 16 u (sphere) of the distance. On its axis the tip is at
+    // 1e3.
     for (case, thin) in [("1e3", 1e-3), ("1e6", 1e-6)] {
         let steps = format!("ZRotate 30 Scale 1000 {:e} {:e}", 1e3 * thin, 1e3 * thin);
-        for way in ways() {
-            let studio = Studio::new(&transformed(&steps, UNIT_SPHERE), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&transformed(&steps, UNIT_SPHERE), mode.flags).at(mode);
             let (sin, cos) = (0.5, 3_f64.sqrt() / 2.0);
             let hit = studio.t(&ray([2e3 * cos, 2e3 * sin, 0.0], [-cos, -sin, 0.0]));
             let error = hit.map_or(f64::INFINITY, |t| (t - 1e3).abs());
@@ -79,9 +80,9 @@ fn turned_and_stretched_hits_are_as_good_as_the_condition_number() {
 }
 
 #[test]
-fn bounds_hold_what_the_inverse_says() {
-    // The surface is what the rounded inverse takes to the triangle. Where that puts its corners is computed here without
-    // rounding; rays that the inverse takes through the triangle beside such a corner must not be lost at world bounds.
+fn world_bounds_contain_the_surface_of_the_rounded_inverse() {
+    // The surface is the set of points that the rounded inverse takes to the triangle. Its corners are computed here
+    // without rounding. Rays through points near these corners must enter the world bounds.
     let mut random = Random(9);
     let corners = [vector([-1.0, -1.0, 0.0]), vector([1.0, -1.0, 0.0]), vector([0.0, 1.0, 0.0])];
     let (mut lost, mut hits) = (0, 0);
@@ -104,7 +105,7 @@ fn bounds_hold_what_the_inverse_says() {
         let columns = transform.object_from_world.columns.map(|c| [c.x, c.y, c.z].map(|x| q(f64::from(x))));
         let volume = dot(&columns[0], &cross(&columns[1], &columns[2]));
         for i in 0..150 {
-            // A point of the triangle just inside a corner.
+            // The target is a point of the triangle near a corner.
             let corner = corners[i % 3];
             let inside = corner * (1.0 - 10_f64.powf(-9.0 + 6.0 * random.signed()) as vecmath::Real);
             let image = sub(&v(inside), &columns[3]);
@@ -130,11 +131,11 @@ fn bounds_hold_what_the_inverse_says() {
 
 #[test]
 fn mirrored_and_sheared_normals_stay_outward() {
-    for way in ways() {
+    for mode in modes() {
         for (case, steps) in
             [("mirrored", "Scale -1 1 1"), ("sheared", "Matrix4f { 1 0 0 0  0.7 1 0 0  0 0.3 1 0  0 0 0 1 }")]
         {
-            let studio = Studio::new(&transformed(steps, UNIT_SPHERE), way.flags).at(way);
+            let studio = Studio::new(&transformed(steps, UNIT_SPHERE), mode.flags).at(mode);
             let mut random = Random(2);
             let mut wrong = 0;
             for _ in 0..200 {
@@ -142,7 +143,7 @@ fn mirrored_and_sheared_normals_stay_outward() {
                 let to = [0, 1, 2].map(|i| 0.2 * jitter[i] - from[i]);
                 let ray = Ray { origin: vector(from), direction: vector(to).normalized() };
                 let normal = studio.seen(&ray).normal;
-                // From outside a convex body every visible normal looks at the eye.
+                // Seen from outside, every visible normal of a convex body points to the eye's side.
                 wrong += u32::from(normal.dot(ray.direction) >= 0.0 || (normal.length() - 1.0).abs() > 1e-6);
             }
             check(&format!("{case} sphere: normals that look away from the eye"), 0.0, f64::from(wrong));
@@ -151,16 +152,16 @@ fn mirrored_and_sheared_normals_stay_outward() {
 }
 
 #[test]
-fn a_hundred_transforms_deep() {
-    // Fifty pairs that undo each other in exact arithmetic: powers of two and quarter turns about the axes. A quarter turn
-    // has 1 u in its cosine, so 100 of them have some 200 u, and the sphere's 24 u of the distance come on top.
+fn a_hundred_nested_transforms_lose_few_digits() {
+    // Fifty pairs of transforms undo each other in exact arithmetic: powers of two, and quarter turns about the axes.
+    // A quarter turn has 1 u in its cosine, so 100 of them have about 200 u; the sphere adds 24 u of the distance.
     let deep = |object: &str| {
         let open = "Transform { UniformScale 2 YRotate 90 Transform { YRotate -90 UniformScale 0.5 ".repeat(50);
         objects(&format!("{open}{object}{}", "} }".repeat(50))).replace("numObjects 100", "numObjects 1")
     };
-    for way in ways() {
-        let plain = Studio::new(&objects(UNIT_SPHERE), way.flags).at(way);
-        let nested = Studio::new(&deep(UNIT_SPHERE), way.flags).at(way);
+    for mode in modes() {
+        let plain = Studio::new(&objects(UNIT_SPHERE), mode.flags).at(mode);
+        let nested = Studio::new(&deep(UNIT_SPHERE), mode.flags).at(mode);
         let ray = ray([0.3, 0.2, 5.0], [0.0, 0.0, -1.0]);
         let error = (plain.t(&ray).unwrap_or(0.0) - nested.t(&ray).unwrap_or(f64::INFINITY)).abs();
         check("100 transforms deep: error of t, u", 500.0, error / U);
@@ -168,9 +169,9 @@ fn a_hundred_transforms_deep() {
 }
 
 #[test]
-fn carried_1e9_away_it_is_seen_to_the_last_digit_there() {
-    for way in ways() {
-        let studio = Studio::new(&transformed("Translate 1e9 -1e9 1e9", UNIT_TRIANGLE), way.flags).at(way);
+fn a_triangle_moved_1e9_away_is_hit_exactly() {
+    for mode in modes() {
+        let studio = Studio::new(&transformed("Translate 1e9 -1e9 1e9", UNIT_TRIANGLE), mode.flags).at(mode);
         let hit = studio.t(&ray([1e9 + 0.25, -1e9 - 0.25, 1e9 + 3.0], [0.0, 0.0, -1.0]));
         // All of these numbers are exact.
         check("triangle carried 1e9 away: error of t", 0.0, hit.map_or(f64::INFINITY, |t| (t - 3.0).abs()));
@@ -180,13 +181,14 @@ fn carried_1e9_away_it_is_seen_to_the_last_digit_there() {
 }
 
 #[test]
-fn there_and_back_is_where_it_was() {
-    // 1e9 there and 1e9 back is a matrix without rounding.
-    for way in ways() {
+fn translations_and_scalings_there_and_back_cancel() {
+    // The matrix of a translation by 1e9 there and back has no rounding.
+    for mode in modes() {
         let steps = "Translate 1e9 0 0 Scale 1e9 1e9 1e9 Scale 1e-9 1e-9 1e-9 Translate -1e9 0 0";
-        let studio = Studio::new(&transformed(steps, UNIT_TRIANGLE), way.flags).at(way);
+        let studio = Studio::new(&transformed(steps, UNIT_TRIANGLE), mode.flags).at(mode);
         let hit = studio.t(&ray([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]));
-        // The scalings leave a factor of 1 + 2 u at most, so the way back leaves 2e9 u; depth does not see it.
+        // The scalings leave a factor of at most 1 + 2 u, so the translation back leaves 2e9 u, but not along the
+        // ray.
         check(
             "moved and scaled by 1e9 there and back: error of t, u",
             16.0,

@@ -1,7 +1,7 @@
-//! Triangles on their own: slivers, specks, edges and planes of edges. How they fit together is in `leaks`.
+//! Single triangles: slivers, tiny ones, edges and corners, rays in their planes. `leaks` tests neighbours.
 
 use super::exact::{Q, at, cross, dot, f, q, size, sub, v};
-use super::support::{Random, Studio, U, check, check_that, objects, ray, vector, ways};
+use super::support::{Random, Studio, U, check, check_that, modes, objects, ray, vector};
 use a2::objects::Ray;
 
 type Corners = [[f64; 3]; 3];
@@ -11,24 +11,24 @@ fn text([a, b, c]: Corners) -> String {
     format!("Triangle {{ {}{}{} }}\n", corner("vertex0", a), corner("vertex1", b), corner("vertex2", c))
 }
 
-/// The exact t of the triangle's plane.
+/// Returns the exact t of the triangle's plane.
 fn exact_t(corners: Corners, ray: &Ray) -> Q {
     let [a, b, c] = corners.map(|corner| v(vector(corner)));
     let normal = cross(&sub(&b, &a), &sub(&c, &a));
     dot(&normal, &sub(&a, &v(ray.origin))) / dot(&normal, &v(ray.direction))
 }
 
-/// A ray from `origin` to the point of the triangle with these weights.
+/// Makes a ray from `origin` to the point of the triangle with these barycentric coordinates.
 fn ray_to(corners: Corners, weights: [f64; 3], origin: [f64; 3]) -> Ray {
     let to = [0, 1, 2].map(|i| (0..3).map(|k| weights[k] * corners[k][i]).sum::<f64>() - origin[i]);
     Ray { origin: vector(origin), direction: vector(to).normalized() }
 }
 
 #[test]
-fn t_of_ordinary_and_of_thin_triangles() {
-    // t is a mean of the corners' depths with weights that are edge functions over their sum. The weights lose as many
-    // digits as the triangle is thin, but what they are weights of lies in a plane: at a slant s of the triangle against
-    // the ray the error is that of a depth, 6 u of the distance, plus 60 u l^2 / A of l s (l longest edge, A area).
+fn t_is_exact_for_ordinary_and_for_thin_triangles() {
+    // t is a mean of the corners' depths; the weights are edge functions over their sum. For thin triangles the
+    // weights lose digits, but the corners lie in a plane. With a slant s of the triangle against the ray the error
+    // bound is 6 u of the distance (the depths) plus 60 u l^2 / A of l s (l longest edge, A area).
     for (case, corners, origin) in [
         ("triangle of size 1", [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 1.0, 0.3]], [0.3, 0.4, 3.0]),
         ("triangle of size 1e-6", [[0.0, 0.0, 0.0], [1e-6, 1e-7, 0.0], [2e-7, 1e-6, 3e-7]], [3e-7, 4e-7, 3e-6]),
@@ -44,8 +44,8 @@ fn t_of_ordinary_and_of_thin_triangles() {
             .fold(0.0, f64::max);
         let normal = cross(&sub(&b, &a), &sub(&c, &a));
         let shape = longest * longest / (f(&dot(&normal, &normal)).sqrt() / 2.0);
-        for way in ways() {
-            let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&objects(&text(corners)), mode.flags).at(mode);
             let ray = ray_to(corners, [0.3, 0.25, 0.45], origin);
             let exact = exact_t(corners, &ray);
             let error = studio.t(&ray).map_or(f64::INFINITY, |t| size(&(q(t) - &exact)));
@@ -56,12 +56,12 @@ fn t_of_ordinary_and_of_thin_triangles() {
 }
 
 #[test]
-fn a_hit_on_a_sliver_has_a_point_in_its_plane() {
-    // The point for rays that leave is the corners' mean, in the plane within 8 u of the coordinates whatever the aspect.
+fn the_surface_point_of_a_sliver_lies_in_its_plane() {
+    // The surface point is a mean of the corners. It lies in the plane within 8 u of the coordinates, at any aspect.
     for power in [2, 4, 6, 8] {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.3, 0.2], [0.5, 0.15 + 10_f64.powi(-power), 0.1]];
-        for way in ways() {
-            let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
+        for mode in modes() {
+            let studio = Studio::new(&objects(&text(corners)), mode.flags).at(mode);
             let ray = ray_to(corners, [0.3, 0.25, 0.45], [0.3, 0.1, 3.0]);
             let Some(hit) = studio.hit(&ray) else { panic!("missed") };
             let [a, b, c] = corners.map(|corner| v(vector(corner)));
@@ -74,11 +74,11 @@ fn a_hit_on_a_sliver_has_a_point_in_its_plane() {
 }
 
 #[test]
-fn corners_and_edges_belong_to_it() {
-    // Where numbers are exact, the closed triangle is what counts.
+fn corners_and_edges_belong_to_the_triangle() {
+    // All numbers are exact here.
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    for way in ways() {
-        let studio = Studio::new(&objects(&text(corners)), way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::new(&objects(&text(corners)), mode.flags).at(mode);
         let inside = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [0.5, 0.0], [0.0, 0.25], [0.75, 0.25]];
         let hit = |[x, y]: [f64; 2]| studio.t(&ray([x, y, 1.0], [0.0, 0.0, -1.0])).is_some();
         check_that("corners and edges of a triangle: hit", inside.into_iter().all(hit));
@@ -89,9 +89,10 @@ fn corners_and_edges_belong_to_it() {
 }
 
 #[test]
-fn in_its_own_plane_a_ray_that_passes_beside_misses() {
-    // Seen edge-on, all edge functions are rounding, and often two of them are exactly zero: the closed test would count
-    // that as a corner. The ray passes well beside the triangle and its box, in its plane as well as numbers can say so.
+fn a_ray_in_the_plane_of_a_triangle_and_beside_it_misses() {
+    // For a triangle seen edge-on all edge functions are nothing but rounding, and often two of them are exactly
+    // zero, as at a corner. The ray lies in the triangle's plane, up to rounding, and passes well beside the
+    // triangle's box.
     let mut random = Random(3);
     let (mut false_hits, mut edge_on) = (0, 0);
     for _ in 0..20_000 {
@@ -112,7 +113,7 @@ fn in_its_own_plane_a_ray_that_passes_beside_misses() {
 }
 
 #[test]
-fn without_area_it_is_left_out_and_said_so() {
+fn a_triangle_without_area_is_left_out_with_a_warning() {
     let line = text([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [3.0, 3.0, 0.0]]);
     let studio = Studio::new(&objects(&line), "");
     check_that("triangle without area: left out", studio.scene.geometry.objects.is_empty());
@@ -120,22 +121,23 @@ fn without_area_it_is_left_out_and_said_so() {
 }
 
 #[test]
-fn of_equal_triangles_the_first_counts() {
+fn the_first_of_equal_triangles_is_hit() {
     let same = text([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).repeat(30);
-    for way in ways() {
-        let studio = Studio::new(&objects(&same), way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::new(&objects(&same), mode.flags).at(mode);
         let hit = studio.hit(&ray([0.25, 0.25, 3.0], [0.0, 0.0, -1.0]));
         check_that("thirty equal triangles: the first is hit", hit.is_some_and(|hit| hit.object == 0));
     }
 }
 
 #[test]
-fn of_the_size_of_the_smallest_floats() {
-    // Coordinates of a few 1e-45, the smallest an OBJ file can say. Their products are 1e-90, far from the end of f64.
+fn a_triangle_of_the_size_of_the_smallest_f32_is_hit() {
+    // The coordinates are a few 1e-45, the smallest numbers of an OBJ file. Their products, 1e-90, are ordinary in
+    // f64.
     let corners = "v 0 0 0\nv 4e-45 0 0\nv 0 4e-45 0\nf 1 2 3\n";
     let scene = objects("TriangleMesh { obj_file m.obj }");
-    for way in ways() {
-        let studio = Studio::with_meshes(&scene, &[("m.obj", corners)], way.flags).at(way);
+    for mode in modes() {
+        let studio = Studio::with_meshes(&scene, &[("m.obj", corners)], mode.flags).at(mode);
         let hit = studio.hit(&ray([1e-45, 1e-45, 1e-44], [0.0, 0.0, -1.0]));
         check_that(
             "triangle of size 4e-45: hit",
@@ -171,6 +173,6 @@ fn hits_of_random_slivers_lie_within_their_boxes() {
             }
         }
     }
-    // The box is grown by 32 u of the coordinates (up to 4 here), and t has 3 u of at most 5 itself.
+    // The box is grown by 32 u of the coordinates (up to 4 here), and t itself has 3 u of at most 5.
     check("random slivers of aspect 1 to 1e8: hits outside the box by, u", 160.0, worst / U);
 }

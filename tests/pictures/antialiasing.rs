@@ -1,11 +1,11 @@
-//! `-jitter` and `-filter` against closed answers, and against statistics where the answer is random.
+//! `-jitter` and `-filter` against results known in advance, and against statistics where the result is random.
 
 use crate::support::{CAMERA_BLOCK, Folder};
 use image::RgbImage;
 
-/// Everything left of `x` in the plane z = 0 is white, all else is black.
+/// Makes a scene that is white to the left of `x` in the plane z = 0, and black everywhere else.
 ///
-/// The picture spans -10 to 10 at z = 0, so a pixel of a picture W wide is 20/(W - 1) there.
+/// The picture spans -10 to 10 at z = 0, so a pixel of a picture of width W is 20/(W - 1) wide there.
 fn edge_scene(x: f64) -> String {
     format!(
         "{CAMERA_BLOCK} Background {{ color 0 0 0 ambientLight 1 1 1 }}
@@ -22,9 +22,9 @@ fn row(picture: &RgbImage, y: u32) -> Vec<u8> {
 }
 
 #[test]
-fn the_filter_weighs_a_pixel_wide_edge_by_its_columns() {
-    // 21 columns, traced as 63: pixel j of the fine grid lies at 20 j/62 - 10. The edge lies between fine columns 30
-    // and 31, so of output column 10 (fine columns 30, 31, 32) only the first is white: weight 1/4.
+fn the_filter_weights_the_columns_of_a_pixel() {
+    // 21 columns are traced as 63: pixel j of the fine grid lies at 20 j/62 - 10. The edge lies between fine columns
+    // 30 and 31. So only the first of the fine columns 30, 31, 32 of output column 10 is white: weight 1/4.
     let folder = Folder::new();
     let edge = (20.0 * 30.5 / 62.0) - 10.0;
     let picture = folder.render(&edge_scene(edge), "-size 21 5 -filter");
@@ -35,9 +35,9 @@ fn the_filter_weighs_a_pixel_wide_edge_by_its_columns() {
 }
 
 #[test]
-fn jitter_covers_the_pixel_to_the_right_of_and_above_its_place() {
-    // The samples of pixel j lie between j and j + 1 pixel widths: with the edge at 10.5 of them, half of pixel 10 is
-    // white in all four rows of strata, and exactly 8 of 16 samples, for the strata's own border lies at 0.5.
+fn jittered_samples_lie_to_the_right_of_and_above_their_pixel() {
+    // The samples of pixel j lie between j and j + 1 pixel widths. With the edge at 10.5, half of pixel 10 is white
+    // in all four rows of strata. It is exactly 8 of 16 samples, because a border of the strata lies at 0.5.
     let folder = Folder::new();
     let edge = 20.0 * 10.5 / 20.0 - 10.0;
     let picture = folder.render(&edge_scene(edge), "-size 21 5 -jitter");
@@ -45,9 +45,9 @@ fn jitter_covers_the_pixel_to_the_right_of_and_above_its_place() {
 }
 
 #[test]
-fn the_mean_of_many_seeds_is_the_covered_area() {
+fn the_mean_over_many_seeds_is_the_covered_area() {
     // 30% of each pixel of a column is white. A stratum that the edge cuts (at 0.2 of its width) is white with
-    // probability 0.2, so a pixel's mean over 4 rows of strata has expectation 0.3 and variance 4 * 0.2 * 0.8 / 16^2.
+    // probability 0.2. So a pixel's mean over 4 rows of strata has expectation 0.3 and variance 4 * 0.2 * 0.8 / 16^2.
     let folder = Folder::new();
     let edge = 20.0 * 10.3 / 20.0 - 10.0;
     folder.write("scene.txt", edge_scene(edge));
@@ -66,8 +66,8 @@ fn the_mean_of_many_seeds_is_the_covered_area() {
 }
 
 #[test]
-fn a_checker_of_samples_averages_to_grey() {
-    // Stripes one fine pixel wide, white where the fine column is even: weights 1/4 + 1/4 or 1/2, both one half.
+fn stripes_of_one_fine_pixel_are_filtered_to_grey() {
+    // Even fine columns are white, odd ones black: the weights of white are 1/4 + 1/4 or 1/2, both one half.
     let width = 20.0 / 62.0;
     let stripes: Vec<String> = (0..63)
         .step_by(2)
@@ -88,7 +88,7 @@ fn a_checker_of_samples_averages_to_grey() {
 }
 
 #[test]
-fn both_flags_give_144_rays_a_pixel_and_a_mean_between() {
+fn jitter_and_filter_together_trace_144_rays_a_pixel() {
     let folder = Folder::new();
     // The edge cuts fine column 31 (the middle of output column 10) in half: 1/4 + 1/2 of 1/2.
     let edge = 20.0 * 31.5 / 62.0 - 10.0;
@@ -99,15 +99,16 @@ fn both_flags_give_144_rays_a_pixel_and_a_mean_between() {
 }
 
 #[test]
-fn normals_and_depths_are_averaged_as_they_are_shown() {
+fn normals_and_depths_are_averaged_after_they_are_mapped() {
     let folder = Folder::new();
     let edge = (20.0 * 30.5 / 62.0) - 10.0;
     folder.write("s.txt", edge_scene(edge));
     let run = folder.a2("-input s.txt -normals n.png -depth 0 10 d.png -size 21 5 -filter");
     assert_eq!(run.exit_code, 0);
-    // A quarter of (0.5, 0.5, 1) or (0.5, 0.5, 0) (the triangles' sides) and three quarters of nothing (0.5 each).
+    // A quarter of (0.5, 0.5, 1) or (0.5, 0.5, 0), by the triangle's side, and three quarters of background (0.5
+    // each).
     let normal = folder.picture("n.png").get_pixel(10, 2).0;
     assert!(normal == [127, 127, 159] || normal == [127, 127, 95], "{normal:?}");
-    // The depth is 10 along the ray in the middle row (a little more beside it, clamped to white); a miss is black.
+    // In the middle row the depth is 10 (a little more beside it, clamped to white); a miss is black.
     assert_eq!(folder.picture("d.png").get_pixel(10, 2).0, [63; 3]);
 }

@@ -1,4 +1,4 @@
-//! The same bytes from every run, however it is shared out.
+//! Every run gives the same bytes, with any number of threads.
 
 use crate::support::{Folder, project};
 
@@ -13,7 +13,7 @@ fn bytes(folder: &Folder, arguments: &str) -> [Vec<u8>; 3] {
 }
 
 #[test]
-fn threads_change_nothing() {
+fn the_number_of_threads_changes_nothing() {
     let folder = Folder::new();
     for (name, flags) in [
         ("scene01_plane.txt", "-shadows -jitter"),
@@ -31,7 +31,7 @@ fn threads_change_nothing() {
 }
 
 #[test]
-fn seeds_matter_and_repeat() {
+fn a_seed_repeats_and_another_seed_differs() {
     let folder = Folder::new();
     let with_seed = |seed: &str| {
         let arguments = format!("-input {} -size 50 50 -jitter {seed}", scene("scene01_plane.txt"));

@@ -1,5 +1,5 @@
-//! The course's batch of 21 pictures: over our own data against `sample_out/`, and where the environment variable
-//! `A2_STARTER` names the course's starter, over its data against its pictures.
+//! The course's batch of 21 pictures: with our own data against `sample_out/`, and with the data of the course's
+//! starter, whose folder the environment variable `A2_STARTER` names, against its pictures.
 
 use crate::support::batch::{self, Scene};
 use crate::support::{Folder, picture, project};
@@ -18,7 +18,7 @@ fn names() -> Vec<String> {
 }
 
 #[test]
-fn our_pictures_are_what_they_were() {
+fn our_pictures_equal_sample_out() {
     let folder = render_batch(&project("data"));
     for name in names() {
         let comparison = Comparison::new(&folder.picture(&name), &picture(&project("sample_out").join(&name)));
@@ -26,7 +26,7 @@ fn our_pictures_are_what_they_were() {
     }
 }
 
-/// `.ci/run` runs this where the starter lies beside the checkout.
+/// `.ci/run` runs this test if the starter is there.
 #[test]
 #[ignore = "needs the course's starter, whose folder A2_STARTER names"]
 fn the_courses_pictures_are_met() {
@@ -42,7 +42,7 @@ fn the_courses_pictures_are_met() {
     }
 }
 
-/// The script that people start renders the same pictures by the same table.
+/// `scripts/render_all.sh` renders the same pictures from the same table.
 #[cfg(unix)]
 #[test]
 fn the_script_renders_the_batch() {

@@ -1,4 +1,5 @@
-//! The pixels: the course's pictures, a second renderer, single statements, samples, and the same bytes at every run.
+//! Tests of pictures: the course's pictures, a second renderer, single rules of the starter, random samples, and
+//! equal bytes at every run.
 
 mod antialiasing;
 mod determinism;

@@ -1,5 +1,5 @@
-//! The rule that holds the wide renderer: with `-plain`, which follows one ray at a time by the definition in
-//! `src/trace.rs`, every picture is the same to the bit, before anything is rounded to bytes.
+//! The wide renderer and `-plain`, which traces one ray at a time by the definition in `src/trace.rs`, give the same
+//! pictures to the bit, before anything is rounded to bytes.
 
 use crate::support::{Folder, batch, project};
 use a2::args::{Request, parse};
@@ -9,7 +9,7 @@ use a2::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Every flag that changes what rays do or how they are sampled.
+/// Flags that change rays or samples.
 const FLAGS: [&str; 14] = [
     "",
     "-shadows",
@@ -39,14 +39,14 @@ fn options(scene: &Path, flags: &str) -> Options {
     }
 }
 
-/// All numbers of all planes.
+/// Returns the bits of all planes.
 fn bits(film: &Film) -> [Option<Vec<u32>>; 4] {
     let bytes = |plane: &Option<Vec<u8>>| plane.as_ref().map(|plane| plane.iter().map(|&b| b.into()).collect());
     let linear = film.linear.as_ref().map(|plane| plane.iter().map(|number| number.to_bits()).collect());
     [linear, bytes(&film.color), bytes(&film.normals), bytes(&film.depth)]
 }
 
-/// Renders plainly and wide with every instruction set, and compares.
+/// Renders with `-plain` and with every instruction set, and compares.
 fn check(scene: &Path, flags: &str) {
     let mut plain = options(scene, flags);
     plain.plain = true;
@@ -70,9 +70,9 @@ fn plain_and_wide_pictures_are_the_same_to_the_bit() {
     }
 }
 
-/// Forty balls need the tree of objects; stretched ones, a plane and a triangle stand among them.
+/// Forty objects need the tree of objects: spheres, stretched and turned ones, triangles, and a plane.
 #[test]
-fn so_are_those_of_many_objects() {
+fn plain_and_wide_pictures_of_many_objects_are_the_same_to_the_bit() {
     let mut objects = String::new();
     for i in 0..40 {
         let (x, y, z) = (i % 7 - 3, i / 7 - 3, (i * 5) % 4 - 2);
@@ -98,13 +98,13 @@ fn so_are_those_of_many_objects() {
     );
     let folder = Folder::new();
     folder.write("s.txt", scene);
-    // The third light is infinite, so that no number of samples reaches a target error.
+    // The third light is infinite, so no number of samples reaches a target error.
     for flags in FLAGS.into_iter().filter(|flags| !flags.contains("-target-error")) {
         check(&folder.path("s.txt"), flags);
     }
 }
 
-/// Two mirrors that face each other end no path: the stack must not grow with `-bounces`.
+/// Between two mirrors that face each other no path ends: the stack must not grow with `-bounces`.
 #[test]
 fn a_hundred_thousand_bounces_need_no_stack() {
     let folder = Folder::new();

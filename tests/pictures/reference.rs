@@ -1,11 +1,11 @@
-//! Scenes and arguments that the course has no pictures of, against a second renderer written straight from the
-//! formulas. The limits are those that hold against the course's own pictures.
+//! Pictures that the course does not have, against a second renderer written directly from the formulas. The limits
+//! are the same as for the course's own pictures.
 
 use crate::support::reference::{self, Flags};
 use crate::support::{Folder, project};
 use a2::measure::Comparison;
 
-/// Renders a scene of the project's or a text both ways and holds the difference to the limits.
+/// Renders a scene with both renderers and checks the differences.
 fn compare(folder: &Folder, scene: &str, flags: Flags) {
     let path = folder.path(scene);
     let mut arguments = format!(
@@ -19,13 +19,13 @@ fn compare(folder: &Folder, scene: &str, flags: Flags) {
     assert_eq!(run.exit_code, 0, "{arguments}: {}", run.stderr);
     let comparison = Comparison::new(&folder.picture("out.png"), &reference::render(&path, flags));
     let pixels = comparison.pixels as f64;
-    // 1%, 0.01% and 12 of 640,000 pixels, and one more pixel where the picture is too small for that.
+    // 1%, 0.01% and 12 of 640,000 pixels, plus one pixel for pictures that are too small for these shares.
     assert!(comparison.percent_over(0) <= 1.0, "{arguments}\n{comparison}");
     assert!(comparison.pixels_over(1) as f64 <= 1.0 + 1e-4 * pixels, "{arguments}\n{comparison}");
     assert!(comparison.pixels_over(8) as f64 <= 1.0 + 12.0 / 640_000.0 * pixels, "{arguments}\n{comparison}");
 }
 
-/// The project's own scenes in a folder of their own, cube maps taken out: the reference has none.
+/// Copies the project's scenes to a folder, without cube maps, which the reference does not have.
 fn own_scenes() -> (Folder, Vec<String>) {
     let folder = Folder::new();
     for model in ["cube2.obj", "bunny_200.obj"] {
@@ -39,7 +39,7 @@ fn own_scenes() -> (Folder, Vec<String>) {
         }
         let text = std::fs::read_to_string(project("data").join(&name)).unwrap();
         let without_cube_map = text.lines().filter(|line| !line.trim_start().starts_with("cubeMap"));
-        // The reference asks every triangle: the small bunny will do.
+        // The reference tests every triangle, so the small bunny must do.
         let text = without_cube_map.collect::<Vec<_>>().join("\n").replace("bunny_1k", "bunny_200");
         folder.write(&name, text);
         names.push(name);
@@ -50,7 +50,7 @@ fn own_scenes() -> (Folder, Vec<String>) {
 }
 
 #[test]
-fn own_scenes_at_other_sizes_with_every_flag() {
+fn own_scenes_at_other_sizes_and_with_every_flag_agree() {
     let (folder, names) = own_scenes();
     for (i, name) in names.iter().enumerate() {
         let (width, height) = [(120, 120), (150, 80), (70, 130)][i % 3];
@@ -61,7 +61,7 @@ fn own_scenes_at_other_sizes_with_every_flag() {
 }
 
 #[test]
-fn the_filter_is_the_weighted_block() {
+fn filtered_pictures_agree() {
     let (folder, names) = own_scenes();
     for name in names.iter().filter(|name| !name.contains("bunny")) {
         let flags = Flags { width: 60, height: 50, bounces: 1, shadows: true, filter: true };
@@ -69,7 +69,7 @@ fn the_filter_is_the_weighted_block() {
     }
 }
 
-/// Everything at once that the seven scenes leave out.
+/// Features of the format that the seven scenes do not use.
 const ODDITIES: &str = "
     Group { numObjects 5
         MaterialIndex 2
@@ -95,7 +95,7 @@ const ODDITIES: &str = "
 ";
 
 #[test]
-fn what_the_seven_scenes_leave_out() {
+fn features_that_the_seven_scenes_do_not_use_agree() {
     let (folder, _) = own_scenes();
     let lights = "Lights { numLights 3
         PointLight { position 3 5 4 color 20 18 16 falloff 0.7 }

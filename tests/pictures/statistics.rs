@@ -1,8 +1,9 @@
-//! What random samples promise: right in the mean, with any sampler and any number of them, and honest about their
-//! error.
+//! Statistical tests of random samples: pictures are unbiased with any sampler and any number of samples, and the
+//! estimated error is right.
 //!
-//! `cargo test --release --test pictures -- --ignored --nocapture honest` runs the long form of the test of honesty and
-//! prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md records it.
+//! `cargo test --release --test pictures -- --ignored --nocapture estimated_interval` runs the long form of the test
+//! of the estimate and prints its table (about 100 seeds of every scene with every sampler); docs/error-vs-time.md
+//! records it.
 
 use crate::support::batch::{self, Scene};
 use crate::support::{picture, project};
@@ -53,12 +54,12 @@ fn rendered(args: &Options) -> Report {
     a2::render_scene(args).unwrap()
 }
 
-/// Colours of a picture, as numbers.
+/// Renders a picture and returns its colours as numbers.
 fn colors(args: &Options) -> Vec<f64> {
     rendered(args).frame.film.linear.unwrap().into_iter().map(f64::from).collect()
 }
 
-/// Mean and variance of many pictures with different seeds, value by value.
+/// Mean and variance of many pictures with different seeds, for each pixel the mean of its channels.
 struct Many {
     runs: f64,
     mean: Vec<f64>,
@@ -66,7 +67,7 @@ struct Many {
     variance: Vec<f64>,
 }
 
-/// One value a pixel: the mean of its channels.
+/// Renders a picture with each seed.
 fn many(args: &Options, seeds: std::ops::Range<u64>) -> Many {
     let runs = (seeds.end - seeds.start) as f64;
     let mut many = Many { runs, mean: vec![], variance: vec![] };
@@ -77,7 +78,7 @@ fn many(args: &Options, seeds: std::ops::Range<u64>) -> Many {
             many.mean = vec![0.0; values.len()];
             many.variance = vec![0.0; values.len()];
         }
-        // Welford's update of sums of squares.
+        // Welford's update of mean and sum of squares.
         for (i, value) in values.into_iter().enumerate() {
             let difference = value - many.mean[i];
             many.mean[i] += difference / (run + 1) as f64;
@@ -88,12 +89,12 @@ fn many(args: &Options, seeds: std::ops::Range<u64>) -> Many {
     many
 }
 
-/// Samples of the independent sampler in the pictures that count as true.
+/// Number of samples, of the independent sampler, in the pictures that count as true.
 const TRUE_SAMPLES: f64 = 64.0;
 
-/// How many standard errors the means of two series of pictures are apart: the worst pixel's, and that of the sums over
-/// all pixels, which is far more sensitive to a common shift. The pictures of the first series have at least `samples`
-/// samples a pixel.
+/// Returns the difference of the means of two series of pictures in standard errors: of the worst pixel, and of the
+/// sum over all pixels, which is far more sensitive to a common shift. The pictures of the first series have at least
+/// `samples` samples a pixel.
 fn distances(series: &Many, truth: &Many, samples: f64) -> (f64, f64) {
     let mut worst: f64 = 0.0;
     let (mut differences, mut variances) = (0.0, 0.0);
@@ -102,7 +103,7 @@ fn distances(series: &Many, truth: &Many, samples: f64) -> (f64, f64) {
         let of_truth = truth.variance[i] / truth.runs;
         differences += difference;
         variances += series.variance[i] / series.runs + of_truth;
-        // What is rare may not have been seen at all in the series, and then its variance is not seen either.
+        // A rare event may be missing in the series, and then the variance of the series is too small.
         let independent = truth.variance[i] * TRUE_SAMPLES / samples;
         let variance = series.variance[i].max(independent) / series.runs + of_truth;
         if variance > 1e-18 {
@@ -112,8 +113,9 @@ fn distances(series: &Many, truth: &Many, samples: f64) -> (f64, f64) {
     (worst, differences.abs() / variances.sqrt())
 }
 
-/// Some 256 pixels are tested in thirty pairs of series: beyond 5.5 standard errors lies, with some 60 degrees of
-/// freedom, less than one of a million; all pixels together exceed 4.2 in one of 40,000 cases.
+/// Checks that two series have the same mean. About 256 pixels are tested in thirty pairs of series. With 60 degrees
+/// of freedom less than one pixel in a million differs by more than 5.5 standard errors by chance; the sum over all
+/// pixels exceeds 4.2 in one of 40,000 cases.
 fn assert_same_mean(what: &str, series: &Many, truth: &Many, samples: f64) {
     let (worst, together) = distances(series, truth, samples);
     assert!(
@@ -125,7 +127,7 @@ fn assert_same_mean(what: &str, series: &Many, truth: &Many, samples: f64) {
 const SMALL: &str = "-size 16 16";
 
 #[test]
-fn every_sampler_is_right_in_the_mean_with_any_number_of_samples() {
+fn every_sampler_is_unbiased_with_any_number_of_samples() {
     for scene in [&SCENES[3], &SCENES[6]] {
         let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
         for sampler in SAMPLERS {
@@ -139,7 +141,7 @@ fn every_sampler_is_right_in_the_mean_with_any_number_of_samples() {
 }
 
 #[test]
-fn halves_for_an_estimate_are_right_in_the_mean() {
+fn sampling_in_two_halves_is_unbiased() {
     let scene = &SCENES[1];
     let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1100);
     for sampler in ["stratified", "sobol"] {
@@ -151,7 +153,7 @@ fn halves_for_an_estimate_are_right_in_the_mean() {
 }
 
 #[test]
-fn samples_that_go_where_they_are_needed_are_right_in_the_mean() {
+fn adaptive_sampling_is_unbiased() {
     for (scene, filter) in [(&SCENES[1], ""), (&SCENES[6], ""), (&SCENES[3], "-filter")] {
         let truth = format!("{SMALL} -sampler independent -samples 64 {filter}");
         let truth = many(&arguments(scene, &truth), 1000..1060);
@@ -163,12 +165,12 @@ fn samples_that_go_where_they_are_needed_are_right_in_the_mean() {
     }
 }
 
-/// A test of means that sees nothing would pass all of the above.
+/// The tests of means above would also pass if they could see nothing.
 #[test]
-fn a_shift_of_the_samples_would_be_seen() {
+fn a_shift_of_the_samples_is_detected() {
     let scene = &SCENES[3];
     let truth = many(&arguments(scene, &format!("{SMALL} -sampler independent -samples 64")), 1000..1060);
-    // The same pictures of a grid one sixteenth larger.
+    // The same picture on a grid that is one sixteenth larger.
     let shifted = many(&arguments(scene, "-size 17 17 -samples 16"), 0..60);
     let cut = |values: &[f64]| values.chunks(17).take(16).flat_map(|row| row[..16].to_vec()).collect::<Vec<f64>>();
     let shifted = Many { runs: shifted.runs, mean: cut(&shifted.mean), variance: cut(&shifted.variance) };
@@ -177,8 +179,8 @@ fn a_shift_of_the_samples_would_be_seen() {
 }
 
 #[test]
-fn even_samples_are_better_than_independent_ones() {
-    // Sobol with 8 samples is at least as good as 16 independent ones in every scene, for all of them have edges.
+fn stratified_and_sobol_samples_are_better_than_independent_ones() {
+    // 8 samples are better than 16 independent ones in every scene, because all scenes have edges.
     for scene in SCENES.iter() {
         let size = "-size 32 32";
         let truth = colors(&arguments(scene, &format!("{size} -sampler sobol -samples 512 -seed 99")));
@@ -198,14 +200,14 @@ fn mean_square(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64
 }
 
-/// As pictures show it.
+/// Clamps values as pictures do.
 fn shown(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value.clamp(0.0, 1.0)).collect()
 }
 
-/// Runs of a scene whose true error, in linear values and in levels, lies within the interval that was stated.
+/// Counts of runs, and of runs whose true error lies in the estimated 95% interval.
 #[derive(Clone, Copy, Default)]
-struct Honesty {
+struct Coverage {
     runs: u32,
     linear: u32,
     levels: u32,
@@ -214,26 +216,27 @@ struct Honesty {
     true_sum: f64,
 }
 
-fn honesty(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Honesty {
-    let mut honesty = Honesty::default();
+fn coverage(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Coverage {
+    let mut coverage = Coverage::default();
     for seed in 0..seeds {
         let run = rendered(&Options { seed, ..arguments(scene, flags) });
         let estimate = run.frame.estimate.unwrap();
         let colors: Vec<f64> = run.frame.film.linear.unwrap().into_iter().map(f64::from).collect();
         let linear = mean_square(&colors, truth).sqrt();
         let levels = 255.0 * mean_square(&shown(&colors), &shown(truth)).sqrt();
-        honesty.runs += 1;
-        honesty.linear += u32::from((estimate.linear.low..=estimate.linear.high).contains(&linear));
-        honesty.levels += u32::from((estimate.levels.low..=estimate.levels.high).contains(&levels));
-        honesty.estimated += estimate.levels.rmse.powi(2);
-        honesty.true_sum += levels.powi(2);
+        coverage.runs += 1;
+        coverage.linear += u32::from((estimate.linear.low..=estimate.linear.high).contains(&linear));
+        coverage.levels += u32::from((estimate.levels.low..=estimate.levels.high).contains(&levels));
+        coverage.estimated += estimate.levels.rmse.powi(2);
+        coverage.true_sum += levels.powi(2);
     }
-    honesty
+    coverage
 }
 
-/// Prints a table and returns the shares of honest runs of each kind of flags over all scenes.
-fn honesty_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> Vec<(f64, f64)> {
-    let mut totals = vec![Honesty::default(); kinds.len()];
+/// Prints a table. Returns for each kind of flags the shares of runs, over all scenes, whose true error lies in the
+/// interval, linear and in levels.
+fn coverage_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> Vec<(f64, f64)> {
+    let mut totals = vec![Coverage::default(); kinds.len()];
     println!("| scene | samples | true RMSE within 95% interval, linear | levels | estimated MSE / true MSE |");
     println!("|---|---|---|---|---|");
     for scene in SCENES.iter() {
@@ -241,7 +244,7 @@ fn honesty_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> V
         let truth = format!("{size} -sampler sobol -samples {truth_samples} -seed 987654321");
         let truth = colors(&arguments(scene, &truth));
         for (kind, total) in kinds.iter().zip(&mut totals) {
-            let found = honesty(scene, &truth, &format!("{size} {kind}"), seeds);
+            let found = coverage(scene, &truth, &format!("{size} {kind}"), seeds);
             let percent = |count: u32| 100.0 * f64::from(count) / f64::from(found.runs);
             println!(
                 "| {} | {kind} | {:.0}% | {:.0}% | {:.3} |",
@@ -255,16 +258,17 @@ fn honesty_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[&str]) -> V
             total.levels += found.levels;
         }
     }
-    let share = |count, total: &Honesty| f64::from(count) / f64::from(total.runs);
+    let share = |count, total: &Coverage| f64::from(count) / f64::from(total.runs);
     totals.iter().map(|total| (share(total.linear, total), share(total.levels, total))).collect()
 }
 
-/// 140 runs of each kind: an estimate that is right in 95% of them would show less than 89% in 1 of 500 cases.
+/// There are 140 runs of each kind. If the true probability is 95%, less than 89% of them are right in 1 of 500
+/// cases.
 #[test]
-fn the_stated_error_is_honest() {
+fn the_true_error_lies_in_the_estimated_interval() {
     let kinds =
         ["-stats -sampler independent", "-stats -sampler stratified", "-stats -sampler sobol", "-target-error 4"];
-    let shares = honesty_table(24, 512, 20, &kinds);
+    let shares = coverage_table(24, 512, 20, &kinds);
     for (kind, (linear, levels)) in kinds.iter().zip(shares) {
         println!("{kind}: linear {linear:.3}, levels {levels:.3}");
         assert!(linear >= 0.89 && levels >= 0.89, "{kind}: linear {linear}, levels {levels}");
@@ -273,7 +277,7 @@ fn the_stated_error_is_honest() {
 
 /// An interval that is always right says nothing.
 #[test]
-fn the_stated_interval_is_narrow() {
+fn the_estimated_interval_is_narrow() {
     let estimate =
         rendered(&arguments(&SCENES[3], "-size 64 64 -stats -samples 16")).frame.estimate.unwrap().levels;
     assert!(estimate.low > 0.75 * estimate.rmse && estimate.high < 1.25 * estimate.rmse, "{estimate:?}");
@@ -281,16 +285,16 @@ fn the_stated_interval_is_narrow() {
 
 #[test]
 #[ignore = "takes many minutes; its table is in docs/error-vs-time.md"]
-fn the_stated_error_is_honest_in_every_scene() {
+fn the_true_error_lies_in_the_estimated_interval_in_every_scene() {
     let kinds = ["-stats -sampler independent", "-stats -sampler stratified", "-stats -sampler sobol"];
-    for (kind, (linear, levels)) in kinds.iter().zip(honesty_table(50, 1024, 100, &kinds)) {
+    for (kind, (linear, levels)) in kinds.iter().zip(coverage_table(50, 1024, 100, &kinds)) {
         println!("{kind}: linear {linear:.3}, levels {levels:.3}");
         assert!((0.90..=0.99).contains(&linear) && (0.90..=0.99).contains(&levels), "{kind}: {linear} {levels}");
     }
 }
 
 #[test]
-fn a_target_error_is_reached_and_flat_pixels_stop_early() {
+fn a_target_error_is_reached_with_few_samples_in_flat_pixels() {
     for scene in SCENES.iter() {
         let args = arguments(scene, "-size 32 32 -target-error 2");
         let run = rendered(&args);
@@ -302,13 +306,13 @@ fn a_target_error_is_reached_and_flat_pixels_stop_early() {
             run.frame.samples
         );
     }
-    // No edges, no variance: nothing beyond the first look.
+    // Without edges there is no variance, and nothing is needed after the first pass.
     let flat = rendered(&arguments("scene01_plane.txt", "-size 1 1 -target-error 1"));
     assert!(flat.frame.samples.most <= 2, "{:?}", flat.frame.samples);
 }
 
 #[test]
-fn adaptive_pictures_are_the_same_at_every_thread_count() {
+fn adaptive_pictures_are_the_same_with_any_number_of_threads() {
     let args = arguments(&SCENES[6], "-size 40 40 -target-error 2 -filter -normals n.png -depth 8 18 d.png");
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -319,7 +323,7 @@ fn adaptive_pictures_are_the_same_at_every_thread_count() {
 }
 
 #[test]
-fn a_time_limit_leaves_a_whole_picture() {
+fn a_time_limit_gives_a_complete_picture() {
     let folder = tempfile::tempdir().unwrap();
     for scene in SCENES.iter() {
         let limited = arguments(scene, "-size 400 400");
@@ -334,7 +338,7 @@ fn a_time_limit_leaves_a_whole_picture() {
             .args(flags)
             .status();
         assert!(status.unwrap().success(), "{scene}");
-        // Ten times as long, for machines that do much else.
+        // Ten times the limit, for machines under load.
         assert!(start.elapsed() < Duration::from_secs(2), "{scene}: {:?}", start.elapsed());
         let bytes = image::open(&picture).unwrap().into_rgb8();
         assert_eq!(bytes.dimensions(), (400, 400));

@@ -80,7 +80,7 @@ fn declared_modules(root: &str) -> BTreeSet<String> {
     declared.collect()
 }
 
-/// What is wrong with the imports, a line each: arrows that the list has not, and arrows that nobody uses.
+/// Returns what is wrong with the imports, a line each: arrows that are not in the list, and unused arrows.
 fn complaints(imports: &[Import], arrows: &Arrows) -> Vec<String> {
     let allowed: BTreeMap<&String, &BTreeSet<String>> = arrows.iter().map(|(module, to)| (module, to)).collect();
     let is_allowed = |import: &Import| allowed.get(&import.from).is_some_and(|to| to.contains(&import.to));
@@ -95,7 +95,7 @@ fn complaints(imports: &[Import], arrows: &Arrows) -> Vec<String> {
     forbidden.chain(idle).collect()
 }
 
-/// What is wrong with the order of the list: arrows to modules that do not stand above.
+/// Returns what is wrong with the order of the list: arrows to modules that are not above.
 fn backward_arrows(arrows: &Arrows) -> Vec<String> {
     let mut above = BTreeSet::new();
     let mut found = Vec::new();
@@ -166,7 +166,7 @@ fn a_program_that_keeps_to_its_list_passes() {
 }
 
 #[test]
-fn an_import_that_the_list_has_not_is_named_with_its_place() {
+fn an_import_that_is_not_in_the_list_is_named_with_its_place() {
     let mut program = small_program();
     program.insert("ground.rs".into(), "\nfn f() { crate::top::go() }".into());
     let found = complaints(&all_imports(&program), &arrows(SMALL_PAGE));
@@ -174,14 +174,14 @@ fn an_import_that_the_list_has_not_is_named_with_its_place() {
 }
 
 #[test]
-fn an_arrow_that_nobody_uses_is_named() {
+fn an_unused_arrow_is_named() {
     let page = SMALL_PAGE.replace("ground:\n", "ground: vecmath\n");
     let found = complaints(&all_imports(&small_program()), &arrows(&page));
     assert_eq!(found, ["ARCHITECTURE.md: ground does not import vecmath"]);
 }
 
 #[test]
-fn a_circle_is_an_arrow_to_what_stands_below() {
+fn a_circle_shows_as_an_arrow_to_a_module_below() {
     let page = SMALL_PAGE.replace("ground:\n", "ground: top\n");
     assert_eq!(backward_arrows(&arrows(&page)), ["ground imports top, which does not stand above it"]);
 }

@@ -1,4 +1,4 @@
-//! The command line as a user meets it.
+//! Tests of the command line, by running the program.
 
 use crate::support::{Folder, LIGHT, SCENE, TRIANGLE, middle};
 use std::process::Command;
@@ -12,7 +12,7 @@ fn no_arguments_print_the_usage_and_exit_with_1() {
 }
 
 #[test]
-fn help_and_version_end_well() {
+fn help_and_version_exit_with_0() {
     let folder = Folder::new();
     for help in ["-help", "--help"] {
         let run = folder.a2(help);
@@ -25,7 +25,7 @@ fn help_and_version_end_well() {
 }
 
 #[test]
-fn a_command_line_that_makes_no_sense_exits_with_2() {
+fn a_wrong_command_line_exits_with_2() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE);
     for (arguments, part) in [
@@ -47,7 +47,7 @@ fn a_command_line_that_makes_no_sense_exits_with_2() {
 }
 
 #[test]
-fn refusals_exit_with_1_and_leave_no_file() {
+fn errors_exit_with_1_and_leave_no_file() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE).write("bad.txt", "Group {").write("latin.txt", b"Group { \xe9 }");
     std::fs::create_dir(folder.path("folder.png")).unwrap();
@@ -69,7 +69,7 @@ fn refusals_exit_with_1_and_leave_no_file() {
 }
 
 #[test]
-fn all_three_pictures_come_from_one_run() {
+fn one_run_writes_all_three_pictures() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE);
     let run = folder.a2("-input s.txt -output c.png -normals n.png -depth 9 11 d.png -size 9 5");
@@ -79,14 +79,14 @@ fn all_three_pictures_come_from_one_run() {
     assert_eq!(middle(&folder.picture("c.png")), [255, 255, 255]);
     assert_eq!(middle(&folder.picture("n.png")), [127, 127, 255]);
     assert_eq!(middle(&folder.picture("d.png")), [127, 127, 127]);
-    // Nothing stands in the corners.
+    // The corners show the background.
     assert_eq!(folder.picture("c.png").get_pixel(0, 0).0, [0, 0, 0]);
     assert_eq!(folder.picture("n.png").get_pixel(0, 0).0, [127, 127, 127]);
     assert_eq!(folder.picture("d.png").get_pixel(0, 0).0, [0, 0, 0]);
 }
 
 #[test]
-fn an_existing_picture_is_replaced_whole_or_not_at_all() {
+fn a_failed_run_keeps_the_existing_picture() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE).write("bad.txt", "Nonsense").write("o.png", "precious");
     assert_eq!(folder.a2("-input bad.txt -output o.png").exit_code, 1);
@@ -95,7 +95,7 @@ fn an_existing_picture_is_replaced_whole_or_not_at_all() {
     assert_eq!(folder.picture("o.png").dimensions(), (100, 100));
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A limit on the size of files simulates a full disk.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error_and_leaves_no_file() {
@@ -127,7 +127,7 @@ fn warnings_go_to_stderr_and_quiet_silences_them() {
 }
 
 #[test]
-fn compare_measures_and_decides() {
+fn compare_prints_differences_and_sets_the_exit_code() {
     let folder = Folder::new();
     let flat = |grey: u8| image::RgbImage::from_pixel(100, 100, image::Rgb([grey; 3]));
     flat(100).save(folder.path("a.png")).unwrap();

@@ -1,4 +1,4 @@
-//! The program as a user meets it: the command line, mistakes in scenes, what is done and what is left out.
+//! Tests of the program: the command line, mistakes in scenes, what the plan leaves out, and the imports of `src/`.
 
 mod architecture;
 mod cli;

@@ -1,9 +1,9 @@
-//! Broken files of every kind: an answer or one clear error, never a crash and never a half-written picture.
+//! Broken files of every kind give a picture or one clear error, never a crash and never a half-written picture.
 
 use crate::support::{Folder, project};
 use std::process::Command;
 
-/// A small generator (xorshift64*), so that every run breaks the files in the same ways.
+/// A small random number generator (xorshift64*), so that every run breaks the files in the same ways.
 struct Random(u64);
 
 impl Random {
@@ -15,7 +15,7 @@ impl Random {
     }
 }
 
-/// Breaks a text: words go, come twice, change places, or turn into something else; characters too.
+/// Breaks a text: deletes, repeats, swaps or replaces words, or changes a character.
 fn mutated(text: &str, random: &mut Random) -> String {
     const STRANGE: [&str; 16] = [
         "{",
@@ -55,8 +55,8 @@ fn mutated(text: &str, random: &mut Random) -> String {
     words.concat()
 }
 
-/// Runs the binary; it must answer or refuse.
-fn must_end_well(folder: &Folder, what: &str) {
+/// Runs the binary, which must write a picture or exit with an error.
+fn must_not_crash(folder: &Folder, what: &str) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_a2"));
     command.args("-input s.txt -output o.png -size 4 4 -bounces 2 -shadows".split(' '));
     let run = folder.run(&mut command);
@@ -72,7 +72,7 @@ fn must_end_well(folder: &Folder, what: &str) {
 const SCENES: [&str; 4] = ["scene01_plane.txt", "scene02_cube.txt", "scene04_axes.txt", "scene07_arch.txt"];
 
 #[test]
-fn two_hundred_broken_scenes() {
+fn broken_scenes_do_not_crash() {
     let folder = Folder::new();
     folder.write("models/cube2.obj", std::fs::read(project("data/models/cube2.obj")).unwrap());
     let mut random = Random(1);
@@ -80,12 +80,12 @@ fn two_hundred_broken_scenes() {
         let text = std::fs::read_to_string(project("data").join(SCENES[round % SCENES.len()])).unwrap();
         let text = mutated(&text.replace("cubeMap", "# cubeMap"), &mut random);
         folder.write("s.txt", &text);
-        must_end_well(&folder, &text);
+        must_not_crash(&folder, &text);
     }
 }
 
 #[test]
-fn a_hundred_broken_meshes() {
+fn broken_meshes_do_not_crash() {
     let folder = Folder::new();
     folder.write("s.txt", std::fs::read(project("data/scene02_cube.txt")).unwrap());
     let mesh = std::fs::read_to_string(project("data/models/cube2.obj")).unwrap();
@@ -93,12 +93,12 @@ fn a_hundred_broken_meshes() {
     for _ in 0..100 {
         let text = mutated(&mesh, &mut random);
         folder.write("models/cube2.obj", &text);
-        must_end_well(&folder, &text);
+        must_not_crash(&folder, &text);
     }
 }
 
 #[test]
-fn sixty_broken_cube_map_faces() {
+fn broken_cube_map_faces_do_not_crash() {
     let folder = Folder::new();
     folder.write(
         "s.txt",
@@ -113,7 +113,7 @@ fn sixty_broken_cube_map_faces() {
     for name in ["right", "left", "up", "down", "front", "back"] {
         folder.write(&format!("map/{name}.png"), &face);
     }
-    must_end_well(&folder, "whole");
+    must_not_crash(&folder, "whole");
     let mut random = Random(3);
     for round in 0..60 {
         let mut broken = face.clone();
@@ -124,6 +124,6 @@ fn sixty_broken_cube_map_faces() {
             broken[at] = random.below(256) as u8;
         }
         folder.write("map/right.png", &broken);
-        must_end_well(&folder, &format!("round {round}"));
+        must_not_crash(&folder, &format!("round {round}"));
     }
 }

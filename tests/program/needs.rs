@@ -1,4 +1,4 @@
-//! A scene pays only for what it needs: what the plan leaves out is really not done.
+//! A scene pays only for what it needs: the work that the plan leaves out is really not done.
 
 use crate::support::{Folder, SCENE, project};
 use a2::args::{Request, parse};
@@ -19,7 +19,7 @@ fn own(name: &str) -> String {
 }
 
 #[test]
-fn only_the_pictures_that_are_asked_for_are_stored() {
+fn only_wanted_pictures_are_stored() {
     let rendered = rendered(&own("scene01_plane.txt"), "-depth 8 18 d.png -shadows -bounces 3");
     assert!(rendered.frame.film.color.is_none() && rendered.frame.film.normals.is_none());
     assert_eq!(rendered.frame.film.depth.map(|plane| plane.len()), Some(400));
@@ -30,24 +30,24 @@ fn only_the_pictures_that_are_asked_for_are_stored() {
 }
 
 #[test]
-fn no_ray_is_traced_that_no_flag_asks_for() {
+fn shadow_and_mirror_rays_are_traced_only_with_their_flags() {
     let plain = rendered(&own("scene01_plane.txt"), "-output o.png").frame.counts;
     assert_eq!((plain.camera, plain.shadow, plain.mirror), (400, 0, 0));
     let shadows = rendered(&own("scene01_plane.txt"), "-output o.png -shadows").frame.counts;
     assert!(shadows.shadow > 0 && shadows.mirror == 0);
-    // The plane, the red sphere: specular 1 1 1.
+    // Plane and red sphere are mirrors (specular 1 1 1).
     assert!(rendered(&own("scene01_plane.txt"), "-output o.png -bounces 1").frame.counts.mirror > 0);
     assert_eq!(rendered(&own("scene04_axes.txt"), "-output o.png -bounces 9").frame.counts.mirror, 0);
 }
 
 #[test]
-fn a_light_that_adds_nothing_gets_no_shadow_ray() {
-    // Seen from the front and lit from behind, without highlight.
+fn no_shadow_ray_is_traced_where_a_light_adds_nothing() {
+    // The surface is seen from the front and lit from behind, without a highlight.
     let folder = Folder::new();
     folder.write("s.txt", SCENE.replace("direction 0 0 -1 color 1 1 1", "direction 0 0 1 color 1 1 1"));
     let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").frame.counts;
     assert!(counts.shadow == 0 && counts.shadow_left_out > 0, "{counts:?}");
-    // A light without colour is no light at all.
+    // A light without colour is left out.
     folder.write("s.txt", SCENE.replace("color 1 1 1", "color 0 0 0"));
     let counts = rendered(&folder.path("s.txt").display().to_string(), "-output o.png -shadows").frame.counts;
     assert_eq!((counts.shadow, counts.shadow_left_out), (0, 0));
@@ -57,15 +57,15 @@ fn a_light_that_adds_nothing_gets_no_shadow_ray() {
 fn a_cube_map_face_is_decoded_only_when_a_ray_reaches_it() {
     let faces = |arguments: &str| rendered(&own("scene06_bunny_1k.txt"), arguments).decoded_faces;
     assert_eq!(faces("-normals n.png"), 0);
-    // The eye looks at one side of the cube; mirrors show more.
+    // The eye looks at one side of the cube; mirrors show more sides.
     let without_mirrors = faces("-output o.png");
     assert!((1..6).contains(&without_mirrors), "{without_mirrors}");
     assert!(faces("-output o.png -bounces 2") > without_mirrors);
 }
 
 #[test]
-fn a_face_that_no_ray_reaches_may_be_broken_inside() {
-    // A picture with a good head and no body: opened, but never decoded.
+fn a_broken_face_that_no_ray_reaches_is_no_error() {
+    // The picture has a good header and no data: it is opened, but never decoded.
     let folder = Folder::new();
     let face = std::fs::read(project("data/tex/courtyard/front.png")).unwrap();
     let whole = |name: &str| std::fs::read(project("data/tex/courtyard").join(name)).unwrap();
@@ -88,7 +88,7 @@ fn a_face_that_no_ray_reaches_may_be_broken_inside() {
 }
 
 #[test]
-fn a_mesh_that_is_used_twice_is_stored_once() {
+fn a_mesh_of_several_instances_is_stored_once() {
     let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap();
     let argv = ["-input", "x.txt", "-output", "o.png"].map(OsString::from);
     let Ok(Request::Render(args)) = parse(argv) else { panic!() };
@@ -98,9 +98,9 @@ fn a_mesh_that_is_used_twice_is_stored_once() {
 }
 
 #[test]
-fn deep_recursion_stops_when_nothing_can_change_any_more() {
-    // Two facing mirrors of specular 0.5 in a scene with a directional light: after some 60 bounces the rest is lost
-    // in the last bit of what is there already.
+fn paths_end_when_nothing_can_change_the_colour() {
+    // Two mirrors of specular 0.5 face each other in a scene with a directional light. After about 60 bounces further
+    // light is smaller than the rounding of the colour.
     let folder = Folder::new();
     folder.write(
         "s.txt",

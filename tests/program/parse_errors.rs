@@ -1,4 +1,4 @@
-//! One bad scene each: where the mistake is found, and what is said about it.
+//! Scenes with one mistake each: the place and the text of the error.
 
 use crate::support::{CAMERA_BLOCK, Folder};
 
@@ -115,7 +115,7 @@ fn mistakes_are_found_with_line_and_column() {
             "Group { numObjects 1 MaterialIndex 0 Transform { Rotate { 0 0 1 30 5 } Sphere { center 0 0 0 radius 1 } } }",
             "s.txt:3:68: expected '}' after the 4 numbers of 'Rotate', found '5'",
         ),
-        // What needs arithmetic.
+        // Mistakes that need arithmetic.
         (
             "Group { numObjects 1 MaterialIndex 0 Transform { Scale 1 0 1 Sphere { center 0 0 0 radius 1 } } }",
             "s.txt:3:50: this transformation squashes space flat",
@@ -187,7 +187,7 @@ fn cameras_that_see_nothing_are_refused() {
 }
 
 #[test]
-fn the_line_is_shown_and_marked_with_a_hint() {
+fn an_error_shows_the_line_with_a_mark_and_a_hint() {
     let message =
         refusal(&with_material("Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 raduis 1 } }"));
     assert!(message.contains("3 | Group { numObjects 1"), "{message}");
@@ -196,7 +196,7 @@ fn the_line_is_shown_and_marked_with_a_hint() {
 }
 
 #[test]
-fn absurd_nesting_is_an_error_and_no_crash() {
+fn too_deep_nesting_is_an_error() {
     for deep in ["Group { numObjects 1 ", "Transform { "] {
         let scene = with_material(&format!("Group {{ numObjects 1 {}", deep.repeat(100_000)));
         let message = refusal(&scene);
@@ -207,7 +207,7 @@ fn absurd_nesting_is_an_error_and_no_crash() {
 }
 
 #[test]
-fn reasonable_nesting_is_fine() {
+fn reasonable_nesting_is_no_error() {
     let (open, close) = ("Group { numObjects 1 Transform { Translate 0 0 0.01 ".repeat(120), "} }".repeat(120));
     let sphere = "Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }";
     let folder = Folder::new();
@@ -215,7 +215,7 @@ fn reasonable_nesting_is_fine() {
 }
 
 #[test]
-fn numbers_of_every_finite_kind_are_read() {
+fn every_spelling_of_a_finite_number_is_read() {
     let digits = "0".repeat(200) + "1." + &"3".repeat(400);
     for number in ["1", "+1", "1.", ".5", "1e0", "1E+2", "1e39", "1e-320", digits.as_str()] {
         let sphere = format!("Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius {number}}} }}");

@@ -1,4 +1,4 @@
-//! Reads as much of Rust's syntax as is needed to know which modules a file imports.
+//! Parses just enough of Rust's syntax to find out which modules a file imports.
 
 use std::collections::BTreeSet;
 
@@ -6,12 +6,12 @@ fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// A source text with spaces instead of comments and of the contents of strings. Lines stay where they are.
+/// Replaces comments and the contents of strings by spaces. Lines keep their numbers.
 pub fn blanked(source: &str) -> String {
     let mut bytes = source.as_bytes().to_vec();
     let mut at = 0;
     while at < bytes.len() {
-        let end = at + length_of_what_is_no_code(&bytes, at);
+        let end = at + length_of_comment_or_literal(&bytes, at);
         let is_code = end == at;
         bytes[at..end].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
         at = if is_code { at + 1 } else { end };
@@ -19,8 +19,8 @@ pub fn blanked(source: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Bytes of the comment, string or character that begins here; 0 where none does.
-fn length_of_what_is_no_code(bytes: &[u8], at: usize) -> usize {
+/// Returns the length of the comment, string or character that begins here; 0 if none does.
+fn length_of_comment_or_literal(bytes: &[u8], at: usize) -> usize {
     let rest = &bytes[at..];
     let after = |end: &[u8], from: usize| {
         let found = rest[from..].windows(end.len()).position(|window| window == end);
@@ -46,7 +46,7 @@ fn length_of_what_is_no_code(bytes: &[u8], at: usize) -> usize {
     }
 }
 
-/// Bytes up to and with the quote that ends a string.
+/// Returns the length of a string up to and including its closing quote.
 fn string_length(bytes: &[u8]) -> usize {
     let mut at = 0;
     while at < bytes.len() && bytes[at] != b'"' {
@@ -55,7 +55,7 @@ fn string_length(bytes: &[u8]) -> usize {
     (at + 1).min(bytes.len())
 }
 
-/// Bytes of a block comment, those inside it included.
+/// Returns the length of a block comment, with nested ones.
 fn block_comment(bytes: &[u8]) -> usize {
     let (mut depth, mut at) = (0, 0);
     while at < bytes.len() {
@@ -71,7 +71,8 @@ fn block_comment(bytes: &[u8]) -> usize {
     at
 }
 
-/// A blanked text without its modules for tests, and the names of those whose text is in a file of its own.
+/// Removes the test modules from a blanked text. Returns the rest, and the names of test modules with files of their
+/// own.
 pub fn without_tests(text: &str) -> (String, Vec<String>) {
     let (mut text, mut files, mut from) = (text.to_owned(), Vec::new(), 0);
     while let Some(found) = text[from..].find("#[cfg(test)]") {
@@ -91,7 +92,7 @@ pub fn without_tests(text: &str) -> (String, Vec<String>) {
     (text, files)
 }
 
-/// Bytes from an opening brace up to and with the closing one.
+/// Returns the length of a block from its opening brace up to and including the closing one.
 fn braces(text: &str) -> usize {
     let mut depth = 0;
     for (at, byte) in text.bytes().enumerate() {
@@ -107,10 +108,11 @@ fn braces(text: &str) -> usize {
     text.len()
 }
 
-/// The top modules that a blanked text names, each with its line.
+/// Returns the top modules that a blanked text names, each with its line.
 ///
-/// A path begins with `crate::`, with as many `super::` as the file's module is `depth` deep, or with `a2::`; in the root
-/// (`lib.rs`) also with the name of one of its `modules`. What belongs to the root itself is in the module `lib`.
+/// A path begins with `crate::`, with as many `super::` as the file's module is `depth` deep, or with `a2::`; in the
+/// root (`lib.rs`) also with the name of one of its `modules`. What belongs to the root itself is in the module
+/// `lib`.
 pub fn imports(text: &str, depth: usize, is_root: bool, modules: &BTreeSet<String>) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -137,7 +139,7 @@ pub fn imports(text: &str, depth: usize, is_root: bool, modules: &BTreeSet<Strin
     found
 }
 
-/// What follows the words that lead to the root, where `rest` begins with such.
+/// Returns what follows the words that lead to the root, if `rest` begins with such words.
 fn path_tail<'a>(rest: &'a str, word: &str, depth: usize) -> Option<&'a str> {
     match word {
         "crate" | "a2" => rest[word.len()..].strip_prefix("::"),
@@ -146,7 +148,7 @@ fn path_tail<'a>(rest: &'a str, word: &str, depth: usize) -> Option<&'a str> {
     }
 }
 
-/// The first word of a path, or of each path of a group in braces.
+/// Returns the first word of a path, or of each path of a group in braces.
 fn first_words(tail: &str) -> Vec<&str> {
     let word = |text: &'_ str| text.bytes().take_while(|byte| is_word(*byte)).count();
     if !tail.starts_with('{') {

@@ -1,12 +1,12 @@
-//! The course's batch of scenes, as `data/batch.txt` has it.
+//! The course's batch of scenes, read from `data/batch.txt`.
 
 use super::{Folder, project};
 use std::path::Path;
 
-/// One scene of the batch and how it is rendered.
+/// A scene of the batch and its flags.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// `01`, `02`, ...: names its pictures.
+    /// `01`, `02`, ..., part of the names of its pictures.
     pub number: String,
     /// The scene file's name without its ending.
     pub name: String,
@@ -16,7 +16,7 @@ pub struct Scene {
     pub flags: String,
 }
 
-/// All scenes, in order.
+/// Returns all scenes, in order.
 pub fn scenes() -> Vec<Scene> {
     let text = std::fs::read_to_string(project("data/batch.txt")).unwrap();
     let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
@@ -33,12 +33,12 @@ pub fn scenes() -> Vec<Scene> {
 }
 
 impl Scene {
-    /// The file name and the further flags, as words of a command line.
+    /// Returns the file name and the further flags, as words of a command line.
     pub fn arguments(&self) -> String {
         format!("{}.txt {}", self.name, self.flags).trim_end().to_owned()
     }
 
-    /// File names of the colour, normal and depth picture.
+    /// Returns the file names of the colour, normal and depth picture.
     pub fn pictures(&self) -> [String; 3] {
         ["", "n", "d"].map(|kind| format!("a{}{kind}.png", self.number))
     }

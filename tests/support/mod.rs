@@ -1,8 +1,8 @@
-//! What several test files need: a fresh folder, the real binary, pictures.
+//! Shared by the test binaries: a fresh folder, the real binary, pictures.
 #![allow(dead_code)]
 
 pub mod batch;
-// Written for `f64`, as the program is.
+// It computes in `f64`.
 #[cfg(not(feature = "f32"))]
 pub mod reference;
 
@@ -16,7 +16,7 @@ pub struct Folder {
     directory: TempDir,
 }
 
-/// How a run of the binary ended.
+/// The result of a run of the binary.
 #[derive(Debug)]
 pub struct Run {
     pub exit_code: i32,
@@ -65,7 +65,7 @@ impl Folder {
         names
     }
 
-    /// Renders the text of a scene; the run must end well.
+    /// Renders the text of a scene; the run must succeed.
     pub fn render(&self, scene: &str, arguments: &str) -> RgbImage {
         self.write("scene.txt", scene);
         let run = self.a2(&format!("-input scene.txt -output out.png {arguments}"));
@@ -88,7 +88,8 @@ pub fn middle(picture: &RgbImage) -> [u8; 3] {
     picture.get_pixel(picture.width() / 2, picture.height() / 2).0
 }
 
-/// A white triangle in the plane z = 0 in the middle of the picture, lit from the eye, seen from a distance of 10.
+/// A scene of a white triangle in the plane z = 0 in the middle of the picture, lit from the eye, at a distance of
+/// 10.
 pub const SCENE: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 90 }
 Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }
 Background { color 0 0 0 }

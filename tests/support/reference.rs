@@ -1,7 +1,7 @@
-//! A second renderer, written straight from the starter's formulas: recursion, a loop over all objects, textbook
-//! intersections, no tree, no plan, nothing shared with the program but the parser and the vectors.
+//! A second renderer, written directly from the starter's formulas: recursion, a loop over all objects, textbook
+//! intersections. It has no tree and no plan, and shares only the parser and the vectors with the program.
 //!
-//! Slow, and with f64 only as good as textbook formulas are; pictures are compared with it as with the course's own.
+//! It is slow, and only as exact as textbook formulas are. Its pictures are compared like the course's.
 
 use a2::light::Light;
 use a2::material::Material;
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use vecmath::{Matrix4, Vector3};
 
-/// Which of the program's flags the reference follows.
+/// The flags that the reference has.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Flags {
     pub width: u32,
@@ -35,7 +35,7 @@ pub struct Reference<'a> {
     meshes: HashMap<String, ObjMesh>,
 }
 
-/// The colour picture of a scene without a cube map.
+/// Renders the colour picture of a scene without a cube map.
 pub fn render(scene: &Path, flags: Flags) -> RgbImage {
     let description = a2::scene_file::parse_file(scene).unwrap();
     assert!(description.background.cube_map.is_none(), "the reference has no cube maps");
@@ -199,7 +199,7 @@ impl Reference<'_> {
     }
 }
 
-/// Cramer's rule for origin + t direction = a + v (b - a) + w (c - a).
+/// Solves origin + t direction = a + v (b - a) + w (c - a) by Cramer's rule.
 fn triangle([a, b, c]: [Vector3; 3], origin: Vector3, direction: Vector3) -> Option<(f64, [f64; 3])> {
     let (ab, ac) = (b - a, c - a);
     let across = direction.cross(ac);
@@ -212,7 +212,7 @@ fn triangle([a, b, c]: [Vector3; 3], origin: Vector3, direction: Vector3) -> Opt
     (v >= 0.0 && w >= 0.0 && v + w <= 1.0 && t > 0.0).then_some((t, [1.0 - v - w, v, w]))
 }
 
-/// Lines `v x y z` and `f i j k` alone.
+/// Reads lines `v x y z` and `f i j k`.
 fn read_obj(text: &str) -> ObjMesh {
     let lines_of = |keyword: &'static str| {
         text.lines().filter(move |line| line.split_whitespace().next() == Some(keyword)).map(|line| {

@@ -1,8 +1,7 @@
 //! Vectors and matrices of a ray tracer: the part of the course's `vecmath` library that a scene can reach.
 //!
 //! Vectors are columns in a right-handed system; a matrix multiplies from the left (`matrix * vector`). All numbers
-//! are
-//! [`Real`]. Quaternions, projections and 2 x 2 matrices are left out, because no scene needs them.
+//! are [`Real`]. Quaternions, projections and 2 x 2 matrices are left out, because no scene needs them.
 #![forbid(unsafe_code)]
 
 mod matrix3;

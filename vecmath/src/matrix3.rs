@@ -34,10 +34,8 @@ impl Matrix3 {
     /// Returns the inverse, or `None` if the matrix is singular to working precision or an entry would not be finite.
     ///
     /// Rows and columns are first scaled to largest component 1, so that units make no difference. The usual formula
-    /// by
-    /// cofactors loses as many digits as the determinant has lost. Where these are many, elimination is used instead:
-    /// it
-    /// loses no more than the [condition number](Self::condition_number) says.
+    /// by cofactors loses as many digits as the determinant has lost. Where these are many, elimination is used
+    /// instead: it loses no more than the [condition number](Self::condition_number) says.
     pub fn inverse(self) -> Option<Self> {
         const REGULAR: Real = 1e-3;
         let column_scale = self.columns.map(Vector3::max_abs);
@@ -100,10 +98,8 @@ impl Matrix3 {
     }
 
     /// Returns the condition number of Bauer and Skeel: the largest row sum of |M| |M^-1|, which says how much an
-    /// inverse
-    /// amplifies errors. It is 1 for any scaling along the axes, a little more for rotations, and infinite for a
-    /// singular
-    /// matrix.
+    /// inverse amplifies errors. It is 1 for any scaling along the axes, a little more for rotations, and infinite
+    /// for a singular matrix.
     pub fn condition_number(self) -> Real {
         let scale = self.columns.map(Vector3::max_abs);
         let [a, b, c] = [0, 1, 2].map(|i| self.columns[i] / scale[i]);

@@ -227,8 +227,7 @@ impl Vector3 {
     }
 
     /// Returns whether the squared length stays in the normal range, so that the vector can be normalised without
-    /// being
-    /// scaled first.
+    /// being scaled first.
     #[inline(always)]
     pub fn is_usual(self) -> bool {
         let length_squared = self.length_squared();
