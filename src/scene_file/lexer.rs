@@ -63,7 +63,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// White space of ASCII.
+/// Returns whether a byte is ASCII white space.
 fn is_blank(byte: u8) -> bool {
     matches!(byte, b'\t'..=b'\r' | b' ')
 }

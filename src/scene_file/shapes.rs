@@ -25,7 +25,7 @@ pub(super) const SHAPE_NAMES: [&str; SHAPES.len()] = {
     names
 };
 
-/// The function that parses the block of the shape `name`, if there is such a shape.
+/// Returns the function that parses the block of the shape `name`; `None` if there is no such shape.
 pub(super) fn shape_parser(name: &str) -> Option<ParseShape> {
     SHAPES.into_iter().find(|shape| shape.0 == name).map(|shape| shape.1)
 }

@@ -41,12 +41,13 @@ fn wrong(body: &str, scale: f64, center: [f64; 3], mode: Mode) -> u32 {
             towards += 1;
             wrong += u32::from(!lit);
         } else if facing < -1e-6 && mode.robust() {
-            // The starter lights a point that faces away if its offset of 0.01 leads out of the body, or through a plane.
+            // The starter lights a point that faces away if its offset of 0.01 leads out of the body, or through a
+            // plane.
             away_from += 1;
             wrong += u32::from(lit);
         }
     }
-    // Where nothing is hit, nothing is wrong.
+    // A test in which nothing is hit would pass.
     assert!(
         towards > 1000 && (away_from > 1000 || !mode.robust()),
         "{towards} points face the light, {away_from} do not"

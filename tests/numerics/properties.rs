@@ -75,7 +75,7 @@ fn check_surface_point(
     }
 }
 
-/// 150 rays that hit; a miss is no case. Where misses are as many as hits, the test fails.
+/// Runs a test for 150 rays that hit. A miss does not count as a case; too many misses make the test fail.
 fn hits() -> ProptestConfig {
     ProptestConfig { cases: 150, max_global_rejects: 150, failure_persistence: None, ..ProptestConfig::default() }
 }

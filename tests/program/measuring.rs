@@ -1,11 +1,11 @@
-//! What a picture cost and how wrong it is, as files and messages say it: `-report`, `-convergence`, `-error-map`,
+//! Tests of cost and error of pictures, as files and messages show them: `-report`, `-convergence`, `-error-map`,
 //! `-target-error` and `-time-limit`.
 
 use crate::support::{Folder, Run, SCENE, TRIANGLE, project};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A scene of the project with a mirror, shadows and a cube map.
+/// Returns the arguments of a scene of the project with a mirror, shadows and a cube map.
 fn mirror_bunny() -> String {
     format!("-input {} -bounces 4 -shadows", project("data/scene06_bunny_1k.txt").display())
 }
@@ -16,13 +16,13 @@ fn succeeds(folder: &Folder, arguments: &str) -> Run {
     run
 }
 
-/// Runs a2 with `-report` and reads what it wrote.
+/// Runs a2 with `-report` and reads the report.
 fn report(folder: &Folder, arguments: &str) -> Value {
     succeeds(folder, &format!("{arguments} -report report.json"));
     serde_json::from_slice(&std::fs::read(folder.path("report.json")).unwrap()).unwrap()
 }
 
-/// Every key of a report as a path (`rays.camera`) with the type of its value; lists count as one value.
+/// Collects every key of a report as a path (`rays.camera`) with the type of its value. A list counts as one value.
 fn keys(value: &Value, path: &str, found: &mut BTreeMap<String, &'static str>) {
     let kind = match value {
         Value::Object(members) => {
@@ -125,7 +125,7 @@ fn a_report_says_null_where_nothing_is_known() {
     assert!(reasons.iter().any(|reason| reason.starts_with("shadow rays: ")), "{reasons:?}");
 }
 
-/// The rows of a table as maps from the names in its first line.
+/// Reads the rows of a table as maps from the names in its first line.
 fn table(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
     let text = std::fs::read_to_string(folder.path(name)).unwrap();
     let mut lines = text.lines();
@@ -161,7 +161,7 @@ fn convergence_is_a_table_of_error_against_samples_and_time() {
         assert_eq!(number(row, "rays"), number(row, "samples").map(|samples| samples * 1600.0));
         assert!(number(row, "seconds") > Some(0.0) && number(row, "cpu_seconds").is_some());
     }
-    // One sample tells nothing about its error.
+    // One sample says nothing about its error.
     assert_eq!(column("estimated_rmse_levels")[0], None);
     let last = &rows[6];
     let [low, estimated, high] =
@@ -183,7 +183,7 @@ fn an_error_map_is_bright_along_edges_and_black_where_nothing_is_random() {
     assert_eq!(map.dimensions(), (40, 40));
     let (mut edges, mut bright) = (0, 0);
     for (error, color) in map.pixels().zip(picture.pixels()) {
-        // A white triangle before black: a pixel between has samples of both.
+        // A white triangle on black: a pixel at the edge has samples of both.
         let is_edge = !matches!(color.0, [0, 0, 0] | [255, 255, 255]);
         let is_bright = error.0 != [0, 0, 0];
         assert!(is_edge || !is_bright, "{color:?} {error:?}");
@@ -233,7 +233,7 @@ fn a_time_limit_is_used_and_kept() {
         report(&folder, &format!("{} -size 60 60 -samples 20000 -time-limit 0.4 -output o.png", mirror_bunny()));
     assert_eq!(report["samples"]["time_limit_seconds"], 0.4);
     let seconds = report["total"]["wall_seconds"].as_f64().unwrap();
-    // Five times as long, for machines that do much else.
+    // Five times the limit, for machines under load.
     assert!((0.2..2.0).contains(&seconds), "{seconds}");
     let samples = report["samples"]["per_pixel_mean"].as_f64().unwrap();
     assert!((1.0..20000.0).contains(&samples), "{samples}");
@@ -243,7 +243,8 @@ fn a_time_limit_is_used_and_kept() {
 
 #[test]
 fn an_epsilon_is_where_shadow_rays_start() {
-    // A triangle stands one before a wall. A shadow ray that starts three off the wall begins beyond the triangle.
+    // A triangle is at a distance of 1 from a wall. A shadow ray that starts 3 off the wall starts beyond the
+    // triangle.
     let folder = Folder::new();
     let wall = "Triangle { vertex0 -90 -90 -1 vertex1 90 -90 -1 vertex2 0 90 -1 }";
     let light = "DirectionalLight { direction 0 -2 -1 color 1 1 1 }";

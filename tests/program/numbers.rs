@@ -1,9 +1,10 @@
-//! Pictures as numbers (`.pfm`, `.exr`), errors against a reference, and the same bytes by every way to compute them.
+//! Tests of pictures of numbers (`.pfm`, `.exr`), of errors against a reference, and of equal bytes with every
+//! instruction set.
 
 use crate::support::{Folder, project};
 use serde_json::Value;
 
-/// The text head of a PFM file, and its numbers as they lie there: rows from the bottom.
+/// Reads the text header of a PFM file, and its numbers in their order in the file: rows from the bottom.
 fn read_pfm(folder: &Folder, name: &str) -> (String, Vec<f32>) {
     let bytes = std::fs::read(folder.path(name)).unwrap();
     let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at + 1);
@@ -76,7 +77,7 @@ fn without_exr_support_the_format_is_refused_by_name() {
     }
 }
 
-/// The true error of the scene's picture against a reference, from a report.
+/// Returns the true error of the scene's picture against a reference, from a report.
 fn true_error(folder: &Folder, reference: &str) -> Value {
     render(folder, &format!("-output again.png -reference {reference} -report r.json"));
     let report: Value = serde_json::from_slice(&std::fs::read(folder.path("r.json")).unwrap()).unwrap();
@@ -107,7 +108,7 @@ fn a_picture_has_no_error_against_itself() {
 #[test]
 fn a_shifted_reference_has_the_error_of_its_shift() {
     let folder = Folder::new();
-    // Bytes that are ten levels darker or brighter, whichever has room.
+    // Bytes above 128 become ten levels darker, the others ten levels brighter.
     render(&folder, "-output plain.png");
     let mut shifted = folder.picture("plain.png");
     shifted.iter_mut().for_each(|byte| *byte = if *byte > 128 { *byte - 10 } else { *byte + 10 });
@@ -146,7 +147,7 @@ fn a_reference_of_another_size_is_refused() {
     assert!(!folder.path("o.png").exists());
 }
 
-/// The instruction sets that the program knows, by its own words.
+/// Returns the names of the instruction sets from the program's own error message.
 pub fn instruction_sets(folder: &Folder) -> Vec<String> {
     let run = folder.a2("-input s.txt -output o.png -simd nonsense");
     let names = run.stderr.split_once("expected ").and_then(|(_, rest)| rest.split_once(", found 'nonsense'"));

@@ -1,12 +1,12 @@
-//! Texts that a person reads, as they are: `-help`, `-explain`, `-stats`.
+//! Snapshot tests of the texts for the user: `-help`, `-explain`, `-stats`.
 //!
-//! They are held to the files in `tests/snapshots/`. Where a change is meant, run the tests with `A2_WRITE_SNAPSHOTS=1`,
-//! which writes the files anew (and fails), look at the difference, and run them again.
+//! Texts must equal the files in `tests/snapshots/`. After a change that is meant, run the tests with
+//! `A2_WRITE_SNAPSHOTS=1`, which writes the files (and fails), look at the difference, and run the tests again.
 
 use crate::numbers::instruction_sets;
 use crate::support::{Folder, project};
 
-/// Numbers as `#`, whatever their width; words with digits in them stay.
+/// Replaces numbers by `#`, whatever their width; words that contain digits stay.
 fn masked(text: &str) -> String {
     let mut masked = String::new();
     let mut rest = text;
@@ -14,7 +14,7 @@ fn masked(text: &str) -> String {
         let follows_a_word = masked.ends_with(|c: char| c.is_alphanumeric() || c == '_');
         let length = if first.is_ascii_digit() && !follows_a_word { number_length(rest) } else { 0 };
         if length > 0 {
-            // Tables align their numbers; how many spaces that takes says their width.
+            // Tables align their numbers with spaces, whose number depends on the width.
             let padded = masked.trim_end_matches(' ').len();
             masked.truncate(masked.len().min(padded + 2));
             masked.push('#');
@@ -27,7 +27,7 @@ fn masked(text: &str) -> String {
     masked
 }
 
-/// Bytes of the number that a text begins with: 12, 1.5, 2.3e-4.
+/// Returns the length of the number that a text begins with: 12, 1.5, 2.3e-4.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| from + bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -44,7 +44,7 @@ fn number_length(text: &str) -> usize {
     end
 }
 
-/// Holds a text to the file `tests/snapshots/NAME.txt`.
+/// Compares a text with the file `tests/snapshots/NAME.txt`.
 fn holds(name: &str, text: &str) {
     let path = project("tests/snapshots").join(format!("{name}.txt"));
     if std::env::var_os("A2_WRITE_SNAPSHOTS").is_some() {
@@ -68,7 +68,7 @@ fn holds(name: &str, text: &str) {
     );
 }
 
-/// What a run of a scene with everything in it says, with the numbers masked.
+/// Returns the messages of a run of a scene that uses everything, with the numbers masked.
 fn said(flags: &str) -> String {
     let folder = Folder::new();
     let set = instruction_sets(&folder).swap_remove(0);
@@ -94,7 +94,7 @@ fn explain_of_a_plan_that_leaves_much_out() {
     holds("explain_little", &said("-explain"));
 }
 
-/// Memory is told on Linux alone.
+/// Peak memory is only known on Linux.
 #[cfg(target_os = "linux")]
 #[test]
 fn stats() {
