@@ -112,8 +112,8 @@ impl InstructionSet {
     pub fn named(name: &str) -> Option<Self> {
         match name {
             #[cfg(target_arch = "x86_64")]
-            #[cfg(target_arch = "x86_64")]
             "avx512" => fearless_simd::Level::new().as_avx512().map(Self::Avx512),
+            #[cfg(target_arch = "x86_64")]
             "avx2" => fearless_simd::Level::new().as_avx2().map(Self::Avx2),
             _ if name == Self::NAMES[0] || name == "scalar" => Some(Self::baseline()),
             _ => None,
