@@ -15,7 +15,7 @@ use super::rays::{RayMaker, SetSizes};
 use super::samples::SamplePattern;
 use super::tile_samples::TileSamples;
 use super::tiles::{Progress, Tile, decode_faces_ahead};
-use super::tracer::tracer;
+use super::tracer::{Tracer, tracer};
 use super::uniform::RAYS_AT_ONCE;
 use crate::camera::Place;
 use crate::film::{Film, Planes};
@@ -120,20 +120,26 @@ impl Picture<'_> {
         let done = AtomicUsize::new(0);
         let pass = self.passes;
         self.passes += 1;
-        self.tiles.par_iter().for_each(|tile| {
+        let tracer = || tracer(self.scene, self.plan);
+        self.tiles.par_iter().for_each_init(tracer, |tracer, tile| {
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
-                self.advance_tile(&mut tile, pass, &goal);
+                self.advance_tile(&mut **tracer, &mut tile, pass, &goal);
                 self.progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, self.tiles.len());
             }
         });
         !self.is_late()
     }
 
-    fn advance_tile(&self, tile: &mut TileSamples, pass: u32, goal: &(impl Fn(usize) -> u32 + Sync)) {
+    fn advance_tile(
+        &self,
+        tracer: &mut dyn Tracer,
+        tile: &mut TileSamples,
+        pass: u32,
+        goal: &(impl Fn(usize) -> u32 + Sync),
+    ) {
         let width = self.options.width as usize;
         let wanted = tile.pixels_below(|(x, row)| goal(row as usize * width + x as usize));
-        let mut tracer = tracer(self.scene, self.plan);
         let (mut places, mut seen) = (Vec::new(), Vec::new());
         let mut waiting = wanted.as_slice();
         while !waiting.is_empty() && !self.is_late() {
@@ -175,10 +181,10 @@ impl Picture<'_> {
     fn pilot(&mut self) -> Option<Vec<f32>> {
         let width = self.options.width as usize;
         let variances = Mutex::new(vec![0.0; width * self.options.height as usize]);
-        self.tiles.par_iter().for_each(|tile| {
+        let tracer = || tracer(self.scene, self.plan);
+        self.tiles.par_iter().for_each_init(tracer, |tracer, tile| {
             let Ok(mut tile) = tile.lock() else { return };
             let pixels: Vec<_> = tile.tile.pixels().collect();
-            let mut tracer = tracer(self.scene, self.plan);
             let (mut places, mut seen) = (Vec::new(), Vec::new());
             for pixels in pixels.chunks(RAYS_AT_ONCE / PILOT_SAMPLES as usize) {
                 if self.is_late() {

@@ -3,7 +3,7 @@
 use super::pixel::Pixel;
 use super::rays::RayMaker;
 use super::samples::SamplePattern;
-use super::tracer::tracer;
+use super::tracer::{Tracer, tracer};
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
@@ -25,19 +25,20 @@ impl Preview {
         let columns = options.width.div_ceil(step);
         let pattern = SamplePattern::new(SamplerKind::Independent, 1);
         let middle = |start: u32, end: u32| (start + step / 2).min(end - 1);
-        let row = |row: u32| {
+        let row = |tracer: &mut Box<dyn Tracer>, row: u32| {
             let mut places = Vec::new();
             for column in 0..columns {
                 let pixel = (middle(column * step, options.width), middle(row * step, options.height));
                 let set = pattern.set(pixel, set, options.seed);
                 places.push(maker.place_of_sample(pixel, &set, 0));
             }
-            let (mut tracer, mut seen) = (tracer(scene, plan), Vec::new());
+            let mut seen = Vec::new();
             tracer.trace(maker.grid, &places, &mut seen);
             let pixels: Vec<Pixel> = seen.iter().map(|seen| maker.displayed(seen).sanitized()).collect();
             (pixels, tracer.take_counts())
         };
-        let rows: Vec<_> = (0..options.height.div_ceil(step)).into_par_iter().map(row).collect();
+        let rows = (0..options.height.div_ceil(step)).into_par_iter();
+        let rows: Vec<_> = rows.map_init(|| tracer(scene, plan), row).collect();
         let mut counts = RayCounts::default();
         rows.iter().for_each(|row| counts += row.1);
         Self { step, rows: rows.into_iter().map(|row| row.0).collect(), counts }
