@@ -81,6 +81,19 @@ impl Node {
     pub fn planes_of(&self, place: usize) -> Planes {
         self.planes.map(|plane| plane[place])
     }
+
+    /// Returns the box around all boxes in use.
+    fn around(&self) -> Planes {
+        let used = (0..WIDTH).filter(|&place| self.children[place] != Child::NONE);
+        let boxes = used.map(|place| self.planes_of(place));
+        let nothing = std::array::from_fn(|side| if side < 3 { f32::INFINITY } else { f32::NEG_INFINITY });
+        boxes.fold(nothing, |around: Planes, planes| {
+            std::array::from_fn(|side| {
+                let (a, b) = (around[side], planes[side]);
+                if side < 3 { a.min(b) } else { a.max(b) }
+            })
+        })
+    }
 }
 
 /// A bounding volume hierarchy. The root is node 0.
@@ -138,20 +151,5 @@ impl<Leaf> Bvh<Leaf> {
         } else {
             Err("a node or a leaf is not in exactly one box".into())
         }
-    }
-}
-
-impl Node {
-    /// Returns the box around all boxes in use.
-    fn around(&self) -> Planes {
-        let used = (0..WIDTH).filter(|&place| self.children[place] != Child::NONE);
-        let boxes = used.map(|place| self.planes_of(place));
-        let nothing = std::array::from_fn(|side| if side < 3 { f32::INFINITY } else { f32::NEG_INFINITY });
-        boxes.fold(nothing, |around: Planes, planes| {
-            std::array::from_fn(|side| {
-                let (a, b) = (around[side], planes[side]);
-                if side < 3 { a.min(b) } else { a.max(b) }
-            })
-        })
     }
 }

@@ -62,11 +62,8 @@ impl<Leaf> Bvh<Leaf> {
                     } else if let Some(shaft) = &shaft {
                         let node = &self.nodes[child.index()];
                         let [a, b, c, d, e, f] = &node.planes;
-                        let (lower, upper) = (
-                            [load(simd, a), load(simd, b), load(simd, c)],
-                            [load(simd, d), load(simd, e), load(simd, f)],
-                        );
-                        let planes = [lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]];
+                        let load = |plane| load(simd, plane);
+                        let planes = [load(a), load(b), load(c), load(d), load(e), load(f)];
                         let (met, enter) = shaft.intersect(simd, &planes, packet.largest_limit(simd));
                         let mut distances = [0.0; WIDTH];
                         enter.store_array(&mut distances);

@@ -33,7 +33,7 @@ use super::build::{self, Item};
 use super::node::Bvh;
 use super::space::{BOX_MARGIN, CullingSpace};
 use crate::objects::Aabb;
-use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat, splat3};
+use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, flip_sign, load, load3, splat, splat3};
 use fearless_simd::prelude::*;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -177,7 +177,7 @@ impl TriangleBlock {
         let v = -minus_v;
         let margin = splat(simd, self.side_margin);
         let one_side = (-margin).simd_le(u.min(v).min(w)) | u.max(v).max(w).simd_le(margin);
-        let t = crate::simd::flip_sign(simd, t, det);
+        let t = flip_sign(simd, t, det);
         let margin = splat(simd, self.distance_margin);
         let farthest = det.abs().mul_add(limit, margin);
         let in_range = (-margin).simd_le(t) & t.simd_le(farthest);

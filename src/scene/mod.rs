@@ -31,6 +31,11 @@ pub struct Background {
 }
 
 impl Background {
+    /// Returns the colour that a ray sees if it leaves the scene in this direction.
+    pub fn color(&self, direction: Vector3) -> Vector3 {
+        self.cube_map.as_ref().map_or(self.color, |cube_map| cube_map.color(direction))
+    }
+
     /// Returns the number of cube map faces that were decoded because rays reached them.
     ///
     /// # Errors
@@ -53,11 +58,4 @@ pub struct Scene {
     pub geometry: Geometry,
     /// Whether no mirror makes its mirror image brighter, in any component.
     pub throughput_never_grows: bool,
-}
-
-impl Background {
-    /// Returns the colour that a ray sees if it leaves the scene in this direction.
-    pub fn color(&self, direction: Vector3) -> Vector3 {
-        self.cube_map.as_ref().map_or(self.color, |cube_map| cube_map.color(direction))
-    }
 }

@@ -6,7 +6,7 @@
 use super::description::{At, BackgroundBlock, Description, Leaf, Node};
 use super::fields::{Count, Fields};
 use super::lexer::Token;
-use super::shapes::{SHAPE_NAMES, shape_parser};
+use super::shapes::{shape_names, shape_parser};
 use super::transforms::{STEP_NAMES, transform_step};
 use super::{blocks, lights};
 use crate::error::{Error, SourceText};
@@ -61,11 +61,11 @@ struct Parser<'a> {
 const CONTAINERS: [&str; 2] = ["Group", "Transform"];
 
 fn object_names() -> impl Iterator<Item = &'static str> + Clone {
-    SHAPE_NAMES.into_iter().chain(CONTAINERS)
+    shape_names().chain(CONTAINERS)
 }
 
 fn is_object(word: &str) -> bool {
-    SHAPE_NAMES.contains(&word) || CONTAINERS.contains(&word)
+    object_names().any(|name| name == word)
 }
 
 impl<'a> Parser<'a> {

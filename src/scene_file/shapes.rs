@@ -15,15 +15,10 @@ pub(super) type ParseShape = for<'a> fn(&mut Fields<'a>, Token<'a>) -> Result<Le
 const SHAPES: [(&str, ParseShape); 4] =
     [("Sphere", sphere), ("Plane", plane), ("Triangle", triangle), ("TriangleMesh", triangle_mesh)];
 
-pub(super) const SHAPE_NAMES: [&str; SHAPES.len()] = {
-    let mut names = [""; SHAPES.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = SHAPES[index].0;
-        index += 1;
-    }
-    names
-};
+/// Returns the names of all shapes.
+pub(super) fn shape_names() -> impl Iterator<Item = &'static str> + Clone {
+    SHAPES.into_iter().map(|shape| shape.0)
+}
 
 /// Returns the function that parses the block of the shape `name`; `None` if there is no such shape.
 pub(super) fn shape_parser(name: &str) -> Option<ParseShape> {

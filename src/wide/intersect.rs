@@ -199,11 +199,7 @@ impl<const ANY: bool> Query<'_, ANY> {
         let transform = self.geometry.objects[index as usize].transform.as_deref();
         let rays = match transform {
             None => self.rays,
-            Some(transform) => {
-                let rays = own_rays.get_or_insert_with(|| Box::new(RayPacket::NONE));
-                to_object_space(simd, transform, self.rays, mask, rays);
-                rays
-            }
+            Some(transform) => to_object_space(simd, transform, self.rays, mask, own_rays),
         };
         intersect_surface(simd, surface, rays, mask, t);
         if let Some(bounds) = bounds {
@@ -233,8 +229,7 @@ impl<const ANY: bool> Query<'_, ANY> {
         let rays = match &object.transform {
             None => self.rays,
             Some(transform) => {
-                let rays = own_rays.get_or_insert_with(|| Box::new(RayPacket::NONE));
-                to_object_space(simd, transform, self.rays, mask, rays);
+                let rays = to_object_space(simd, transform, self.rays, mask, own_rays);
                 rays.prepare(simd, mask);
                 rays
             }
@@ -284,13 +279,21 @@ impl<S: Simd, const ANY: bool> LeafVisitor<S> for ObjectVisitor<'_, '_, ANY> {
     }
 }
 
-/// Takes the active rays to object space.
-fn to_object_space<S: Simd>(simd: S, transform: &Transform, world: &RayPacket, active: u64, rays: &mut RayPacket) {
+/// Takes the active rays to object space. They are put into `scratch`.
+fn to_object_space<'a, S: Simd>(
+    simd: S,
+    transform: &Transform,
+    world: &RayPacket,
+    active: u64,
+    scratch: &'a mut Option<Box<RayPacket>>,
+) -> &'a mut RayPacket {
+    let rays = &mut **scratch.get_or_insert_with(|| Box::new(RayPacket::NONE));
     vectorize!(simd, {
         for lane in span(active) {
             rays.set(lane, transform.ray_to_object(&world.get(lane)));
         }
-    });
+        rays
+    })
 }
 
 /// Intersects the active rays with a surface; t is infinite where they miss it.
