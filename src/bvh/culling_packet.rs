@@ -1,7 +1,7 @@
 //! [`CullingPacket`]: the rays of a packet in culling space.
 
 use super::single::DONE;
-use super::space::{self, CullingRay, CullingSpace};
+use super::space::{self, CullingRay, CullingSpace, Planes};
 use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in, span};
 use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, load, load3, splat, vectorize};
 use fearless_simd::prelude::*;
@@ -10,7 +10,7 @@ use vecmath::Real;
 /// Number of groups of eight lanes in a packet.
 pub const GROUPS: usize = PACKET / WIDTH;
 /// A number for each lane.
-type Lanes = [Eight; GROUPS];
+pub type Lanes = [Eight; GROUPS];
 
 /// Rays in culling space, lane by lane. A lane without a ray has the limit [`DONE`], and so has a lane whose query is
 /// finished.
@@ -164,4 +164,34 @@ impl CullingPacket {
         let Self { origin: [x, y, z], direction: [i, j, k], .. } = self;
         [load3(simd, &[x[group], y[group], z[group]]), load3(simd, &[i[group], j[group], k[group]])]
     }
+}
+
+/// Intersects the active rays, given by 1 / direction and origin / direction, with one box, eight rays at once. Returns
+/// those that meet it at a t from 0 to their `limit`, which is asked for each group of eight.
+#[inline(always)]
+pub fn intersect_box<S: Simd>(
+    simd: S,
+    [inverse, origin_times_inverse]: [&[Lanes; 3]; 2],
+    planes: &Planes,
+    active: u64,
+    limit: impl Fn(usize) -> f32x8<S>,
+) -> u64 {
+    let mut met = 0;
+    for group in 0..GROUPS {
+        let here = active >> (WIDTH * group) & 0xff;
+        if here == 0 {
+            continue;
+        }
+        let (mut near, mut far) = (splat(simd, 0.0), limit(group));
+        for axis in 0..3 {
+            let inverse = load(simd, &inverse[axis][group]);
+            let product = load(simd, &origin_times_inverse[axis][group]);
+            let lower = splat(simd, planes[axis]).mul_sub(inverse, product);
+            let upper = splat(simd, planes[axis + 3]).mul_sub(inverse, product);
+            near = near.max(lower.min(upper));
+            far = far.min(lower.max(upper));
+        }
+        met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
+    }
+    met
 }

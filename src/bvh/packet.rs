@@ -5,12 +5,12 @@
 //! in common go on as a [`stream`](super::stream). How rays share their work depends on their order. What they hit does
 //! not: every leaf that a ray may hit is visited.
 
-use super::culling_packet::{CullingPacket, GROUPS};
+use super::culling_packet::{CullingPacket, intersect_box};
 use super::leaf_visitor::{LeafVisitor, traverse_singly};
-use super::node::{Bvh, Child, Node};
+use super::node::{Bvh, Child};
 use super::shaft::Shaft;
 use super::stream::{self, Stream};
-use crate::simd::{Simd, WIDTH, bits_of, load, splat, vectorize};
+use crate::simd::{Simd, WIDTH, load, vectorize};
 use fearless_simd::prelude::*;
 
 /// So few rays of a packet are traversed one by one.
@@ -76,7 +76,14 @@ impl<Leaf> Bvh<Leaf> {
                 height -= 1;
                 let (node, place, active, _) = pending[height];
                 let (node, place) = (&self.nodes[node as usize], place as usize % WIDTH);
-                let active = intersect_box(simd, packet, node, place, active);
+                let active = intersect_box(
+                    simd,
+                    [&packet.inverse, &packet.origin_times_inverse],
+                    &node.planes_of(place),
+                    active,
+                    #[inline(always)]
+                    |group| load(simd, &packet.limit[group]),
+                );
                 if active != 0 {
                     current = Some((node.children[place], active));
                 }
@@ -108,28 +115,4 @@ fn push(
         }
         stack[at] = next;
     }
-}
-
-/// Intersects the active rays with one box of a node, eight rays at once. Returns those that meet it.
-#[inline(always)]
-fn intersect_box<S: Simd>(simd: S, packet: &CullingPacket, node: &Node, place: usize, active: u64) -> u64 {
-    let plane = node.planes_of(place);
-    let mut met = 0;
-    for group in 0..GROUPS {
-        let here = active >> (WIDTH * group) & 0xff;
-        if here == 0 {
-            continue;
-        }
-        let (mut near, mut far) = (splat(simd, 0.0), load(simd, &packet.limit[group]));
-        for axis in 0..3 {
-            let inverse = load(simd, &packet.inverse[axis][group]);
-            let product = load(simd, &packet.origin_times_inverse[axis][group]);
-            let lower = splat(simd, plane[axis]).mul_sub(inverse, product);
-            let upper = splat(simd, plane[axis + 3]).mul_sub(inverse, product);
-            near = near.max(lower.min(upper));
-            far = far.min(lower.max(upper));
-        }
-        met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
-    }
-    met
 }

@@ -6,10 +6,10 @@
 //! 4 e m for the inverse and the rounding of the direction. [`MARGIN`] is four times that. Rounding keeps order, so
 //! intervals that hold for all rays are not narrower for being computed from rounded ends.
 
-use super::culling_packet::GROUPS;
+use super::culling_packet::{GROUPS, Lanes, intersect_box};
 use crate::objects::Aabb;
 use crate::simd::packet::{PACKET, RayPacket, span};
-use crate::simd::{Eight, Range, Simd, WIDTH, bits_of, flip_sign, load, load3, mask_of, splat, vectorize};
+use crate::simd::{Range, Simd, WIDTH, bits_of, flip_sign, load3, mask_of, splat, vectorize};
 use fearless_simd::prelude::*;
 use vecmath::{Real, Vector3};
 
@@ -24,8 +24,8 @@ const SMALLEST_SHARE: f32 = 1.0 / (1u32 << 30) as f32;
 /// The rays of a packet, rounded to `f32`, and the ranges of their numbers.
 pub struct PacketBounds {
     center: Vector3,
-    inverse: [[Eight; GROUPS]; 3],
-    origin_times_inverse: [[Eight; GROUPS]; 3],
+    inverse: [Lanes; 3],
+    origin_times_inverse: [Lanes; 3],
     /// Smallest and largest of these over all rays, axis by axis.
     ranges: [[(f32, f32); 2]; 3],
     /// The largest coordinate of an origin; NaN if the rays cannot be culled.
@@ -131,24 +131,15 @@ impl PacketBounds {
             if !self.may_meet(lower, upper) {
                 return 0;
             }
-            let mut met = 0;
-            for group in 0..GROUPS {
-                let here = active >> (WIDTH * group) & 0xff;
-                if here == 0 {
-                    continue;
-                }
-                let (mut near, mut far) = (splat(simd, 0.0), splat(simd, f32::INFINITY));
-                for axis in 0..3 {
-                    let inverse = load(simd, &self.inverse[axis][group]);
-                    let product = load(simd, &self.origin_times_inverse[axis][group]);
-                    let a = splat(simd, lower[axis]).mul_sub(inverse, product);
-                    let b = splat(simd, upper[axis]).mul_sub(inverse, product);
-                    near = near.max(a.min(b));
-                    far = far.min(a.max(b));
-                }
-                met |= (here & u64::from(bits_of(near.simd_le(far)))) << (WIDTH * group);
-            }
-            met
+            let ([a, b, c], [d, e, f]) = (lower, upper);
+            intersect_box(
+                simd,
+                [&self.inverse, &self.origin_times_inverse],
+                &[a, b, c, d, e, f],
+                active,
+                #[inline(always)]
+                |_| splat(simd, f32::INFINITY),
+            )
         })
     }
 
