@@ -50,6 +50,18 @@ pub struct Options {
 }
 
 impl Options {
+    /// Returns the pictures to write.
+    pub fn pictures(&self) -> impl Iterator<Item = &Path> {
+        let depth = self.depth.as_ref().map(|depth| depth.path.as_path());
+        [self.color.as_deref(), self.normals.as_deref(), depth].into_iter().flatten()
+    }
+
+    /// Returns all files to write.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let MeasureOptions { error_map, report, convergence, .. } = &self.measure;
+        self.pictures().chain([error_map, report, convergence].into_iter().flatten().map(PathBuf::as_path))
+    }
+
     /// Returns the number of samples for each pixel of the traced grid.
     pub fn samples(&self) -> u32 {
         if self.jitter { self.measure.samples.unwrap_or(DEFAULT_SAMPLES) } else { 1 }

@@ -19,11 +19,7 @@ pub fn say(text: &str) {
 /// # Errors
 /// [`Error::File`] for the first file that cannot be written.
 pub fn check_files(options: &Options) -> Result<(), Error> {
-    let depth = options.depth.as_ref().map(|depth| depth.path.as_path());
-    let pictures = [options.color.as_deref(), options.normals.as_deref(), depth];
-    let measure = &options.measure;
-    let others = [measure.error_map.as_deref(), measure.report.as_deref(), measure.convergence.as_deref()];
-    pictures.into_iter().chain(others).flatten().try_for_each(film::check_writable)
+    options.files().try_for_each(film::check_writable)
 }
 
 /// Returns when to stop tracing rays, so that there is time left to write the pictures. `None` without a limit.
@@ -33,8 +29,7 @@ pub fn deadline(options: &Options) -> Option<Instant> {
     /// Seconds for what cannot be interrupted: rays that are being traced, starting and ending threads.
     const MARGIN: f64 = 0.01;
     let limit = options.measure.time_limit?;
-    let planes = [options.color.is_some(), options.normals.is_some(), options.depth.is_some()];
-    let bytes = planes.iter().filter(|wanted| **wanted).count() as f64
+    let bytes = options.pictures().count() as f64
         * 3.0
         * f64::from(options.width)
         * f64::from(options.height)

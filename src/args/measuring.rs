@@ -43,11 +43,6 @@ pub(super) fn needs_color(options: &MeasureOptions) -> Option<&'static str> {
     flags.into_iter().find(|flag| flag.1).map(|flag| flag.0)
 }
 
-/// Returns the files to write.
-pub(super) fn outputs(options: &MeasureOptions) -> [Option<&PathBuf>; 3] {
-    [options.error_map.as_ref(), options.report.as_ref(), options.convergence.as_ref()]
-}
-
 /// Returns whether the samples are random: `-jitter`, or a flag that implies it.
 pub(super) fn jitter(typed: &Typed) -> bool {
     typed.has("jitter") || IMPLY_JITTER.into_iter().any(|flag| typed.has(flag))

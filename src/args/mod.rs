@@ -96,15 +96,11 @@ fn options(typed: &Typed) -> Result<Options, Error> {
     if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
         return Err(usage_error(flag, "is about colours: give -output too"));
     }
-    let pictures =
-        [options.color.as_ref(), options.depth.as_ref().map(|depth| &depth.path), options.normals.as_ref()];
-    let pictures: Vec<_> = pictures.into_iter().flatten().collect();
-    if pictures.is_empty() {
+    if options.pictures().next().is_none() {
         let message = "no picture is asked for: give -output, -depth or -normals";
         return Err(Error::Usage(message.into()));
     }
-    let files: Vec<_> =
-        pictures.into_iter().chain(measuring::outputs(&options.measure).into_iter().flatten()).collect();
+    let files: Vec<_> = options.files().collect();
     if (1..files.len()).any(|i| files[..i].contains(&files[i])) {
         return Err(Error::Usage("two files have the same name".into()));
     }

@@ -1,12 +1,10 @@
 //! The wide renderer and `-plain`, which traces one ray at a time by the definition in `src/trace.rs`, give the same
 //! pictures to the bit, before anything is rounded to bytes.
 
-use crate::support::{Folder, batch, project};
-use a2::args::{Request, parse};
+use crate::support::{Folder, batch, options_of_numbers, project};
 use a2::film::Film;
 use a2::options::Options;
 use a2::simd::InstructionSet;
-use std::ffi::OsString;
 use std::path::Path;
 
 /// Flags that change rays or samples.
@@ -29,14 +27,7 @@ const FLAGS: [&str; 14] = [
 
 fn options(scene: &Path, flags: &str) -> Options {
     let pictures = "-output c.png -normals n.png -depth 8 18 d.png";
-    let argv = format!("-input {} {pictures} -size 33 21 -quiet {flags}", scene.display());
-    match parse(argv.split_whitespace().map(OsString::from)) {
-        Ok(Request::Render(mut options)) => {
-            options.measure.keep_linear = true;
-            *options
-        }
-        other => panic!("{argv}: {other:?}"),
-    }
+    options_of_numbers(&format!("-input {} {pictures} -size 33 21 -quiet {flags}", scene.display()))
 }
 
 /// Returns the bits of all planes.

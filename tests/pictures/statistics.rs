@@ -6,11 +6,9 @@
 //! records it.
 
 use crate::support::batch::{self, Scene};
-use crate::support::{picture, project};
-use a2::args::Request;
+use crate::support::{options_of_numbers, picture, project};
 use a2::measure::Report;
 use a2::options::Options;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
@@ -40,14 +38,7 @@ static DATA: LazyLock<PathBuf> = LazyLock::new(|| {
 
 fn arguments(scene: &str, flags: &str) -> Options {
     let data = &*DATA;
-    let line = format!("-input {}/{scene} -output unused.png -quiet {flags}", data.display());
-    match a2::args::parse(line.split(' ').filter(|word| !word.is_empty()).map(OsString::from)) {
-        Ok(Request::Render(mut args)) => {
-            args.measure.keep_linear = true;
-            *args
-        }
-        other => panic!("{line}: {other:?}"),
-    }
+    options_of_numbers(&format!("-input {}/{scene} -output unused.png -quiet {flags}", data.display()))
 }
 
 fn rendered(args: &Options) -> Report {

@@ -1,17 +1,11 @@
 //! A scene pays only for what it needs: the work that the plan leaves out is really not done.
 
-use crate::support::{Folder, SCENE, project};
-use a2::args::{Request, parse};
+use crate::support::{Folder, SCENE, options, project};
 use a2::measure::Report;
-use std::ffi::OsString;
 
 /// Renders in memory.
 fn rendered(input: &str, arguments: &str) -> Report {
-    let argv = format!("-input {input} -size 20 20 -quiet {arguments}");
-    match parse(argv.split_whitespace().map(OsString::from)) {
-        Ok(Request::Render(args)) => a2::render_scene(&args).unwrap(),
-        other => panic!("{argv}: {other:?}"),
-    }
+    a2::render_scene(&options(&format!("-input {input} -size 20 20 -quiet {arguments}"))).unwrap()
 }
 
 fn own(name: &str) -> String {
@@ -90,9 +84,7 @@ fn a_broken_face_that_no_ray_reaches_is_no_error() {
 #[test]
 fn a_mesh_of_several_instances_is_stored_once() {
     let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap();
-    let argv = ["-input", "x.txt", "-output", "o.png"].map(OsString::from);
-    let Ok(Request::Render(args)) = parse(argv) else { panic!() };
-    let plan = a2::plan::Plan::new(&args, &source);
+    let plan = a2::plan::Plan::new(&options("-input x.txt -output o.png"), &source);
     let scene = a2::scene::compile(&source, &plan).unwrap().scene;
     assert_eq!((scene.geometry.objects.len(), scene.geometry.meshes.len()), (4, 1));
 }

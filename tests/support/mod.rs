@@ -6,7 +6,10 @@ pub mod batch;
 #[cfg(not(feature = "f32"))]
 pub mod reference;
 
+use a2::args::{Request, parse};
+use a2::options::Options;
 use image::RgbImage;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tempfile::TempDir;
@@ -72,6 +75,21 @@ impl Folder {
         assert_eq!(run.exit_code, 0, "{arguments}: {}", run.stderr);
         self.picture("out.png")
     }
+}
+
+/// Parses the command line of a picture, whose words are separated by spaces.
+pub fn options(line: &str) -> Options {
+    match parse(line.split_whitespace().map(OsString::from)) {
+        Ok(Request::Render(options)) => *options,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+/// Parses the same, and keeps the colours of the picture as numbers.
+pub fn options_of_numbers(line: &str) -> Options {
+    let mut options = options(line);
+    options.measure.keep_linear = true;
+    options
 }
 
 pub fn picture(path: &Path) -> RgbImage {
