@@ -1,8 +1,8 @@
 //! Instruction sets of the processor, and the lanes that wide code is written in.
 //!
 //! Wide code is written once, generic over `S: Simd` of the library `fearless_simd`, and compiled once for each
-//! [`InstructionSet`]. A value of such a type is the proof that the processor has the instructions, so there is no
-//! unsafe code here. Two kinds of work are done wide:
+//! [`InstructionSet`]. A value of such a type is the proof that the processor has the instructions, so nobody here
+//! has to promise it. Two kinds of work are done wide:
 //!
 //! - Culling, in `f32x8`. Its products may be fused with sums or not, so its results may differ between instruction
 //!   sets. Nothing that is seen depends on them: what culling leaves over is decided by the exact tests.
@@ -83,9 +83,14 @@ impl InstructionSet {
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     pub const NAMES: &[&str] = &["scalar"];
 
+    /// Iterates over those that this processor has, the slowest first.
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        Self::NAMES.iter().filter_map(|name| Self::named(name))
+    }
+
     /// Returns the best one that this processor has.
     pub fn detected() -> Self {
-        Self::NAMES.iter().rev().find_map(|name| Self::named(name)).unwrap_or_else(Self::baseline)
+        Self::available().next_back().unwrap_or_else(Self::baseline)
     }
 
     /// Returns the one that every processor of the target has.
@@ -239,8 +244,7 @@ mod tests {
 
     #[test]
     fn signs_are_flipped_where_they_are_negative() {
-        for name in InstructionSet::NAMES {
-            let Some(set) = InstructionSet::named(name) else { continue };
+        for set in InstructionSet::available() {
             let flipped = with_simd!(set, simd => {
                 let a = load(simd, &[1.0, 2.0, -3.0, 0.0, 5.0, -6.0, 7.0, 8.0]);
                 let b = load(simd, &[1.0, -1.0, -0.0, -2.0, 0.0, 3.0, f32::NEG_INFINITY, 9.0]);

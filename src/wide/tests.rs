@@ -50,10 +50,6 @@ impl Numbers {
     }
 }
 
-fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
-    InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name))
-}
-
 /// NaN is NaN, whatever its sign.
 fn bits(vector: Vector3) -> [u64; 3] {
     vector.to_array().map(|c| if c.is_nan() { u64::MAX } else { u64::from(c.to_bits()) })
@@ -62,7 +58,7 @@ fn bits(vector: Vector3) -> [u64; 3] {
 #[test]
 fn unit_vectors() {
     let mut numbers = Numbers(1);
-    for set in instruction_sets() {
+    for set in InstructionSet::available() {
         for mask in MASKS.into_iter().cycle().take(200) {
             let mut vectors = Vectors::ZERO;
             (0..PACKET).for_each(|lane| vectors.set(lane, numbers.odd_vector()));
@@ -84,7 +80,7 @@ fn camera_rays_of_places() {
     for (width, height, count) in [(100, 80, 200), (1, 7, 3), (5000, 1, 65)] {
         let grid = PixelGrid { width, height };
         let places: Vec<Place> = (0..count).map(|_| (numbers.next() * 50.0, numbers.next() * 40.0)).collect();
-        for set in instruction_sets() {
+        for set in InstructionSet::available() {
             let mut rays = RayPacket::NONE;
             for places in places.chunks(PACKET) {
                 let active = with_simd!(set, simd => camera_rays(simd, &camera, grid, places, &mut rays));
@@ -102,7 +98,7 @@ fn colors_of_the_cube_map() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tex/courtyard");
     let cube_map = CubeMap::open(&folder).unwrap();
     let (mut numbers, mut scratch) = (Numbers(3), CubeMapScratch::EMPTY);
-    for set in instruction_sets() {
+    for set in InstructionSet::available() {
         for mask in MASKS {
             let (mut directions, mut colors) = (Vectors::ZERO, Vectors::ZERO);
             (0..PACKET).for_each(|lane| directions.set(lane, numbers.vector()));
@@ -142,7 +138,7 @@ fn normals_of_every_shape() {
     for (shape, is_placed) in shapes.iter().flat_map(|shape| [(shape, false), (shape, true)]) {
         let transform = is_placed.then(|| Box::new(Transform::new(&matrix).unwrap()));
         let object = Object::new(shape.clone(), transform, 0, None);
-        for (set, mask) in instruction_sets().flat_map(|set| MASKS.map(|mask| (set, mask))) {
+        for (set, mask) in InstructionSet::available().flat_map(|set| MASKS.map(|mask| (set, mask))) {
             let (mut rays, mut hits, mut found) = (RayPacket::NONE, HitPacket::NONE, Vectors::ZERO);
             for lane in 0..PACKET {
                 rays.set(lane, Ray { origin: numbers.vector(), direction: numbers.vector() });

@@ -15,6 +15,10 @@ mod properties;
 // Compares the bits of `f64`.
 #[cfg(not(feature = "f32"))]
 mod queries;
+#[cfg(not(feature = "f32"))]
+mod query_cases;
+#[cfg(not(feature = "f32"))]
+mod query_loops;
 mod rays;
 mod shading;
 mod spheres;

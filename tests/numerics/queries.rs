@@ -1,32 +1,24 @@
 //! The contract of the trees: every query has the result of a loop over all triangles or all objects, to the last
 //! bit, with every instruction set, for one ray and for a packet.
 
-use a2::objects::{
-    Hit, Mesh, Object, Plane, PreparedRay, Ray, Shape, Sphere, SurfaceHit, T_MAX, Transform, Triangle,
-    intersect_triangle,
-};
+use super::query_cases::{aimed_rays, any_ray, geometry, scene, soup};
+use super::query_loops::{Bits, any_by_loop, any_of_object, bits, closest_of_object, count_hits};
+use a2::objects::{Hit, Mesh, PreparedRay, Ray, T_MAX};
 use a2::scene::{Geometry, build_mesh_tree};
 use a2::simd::packet::{PACKET, RayPacket, first_lanes, has_lane, lanes_in};
 use a2::simd::{InstructionSet, with_simd};
 use a2::wide::{HitPacket, Scratch};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use vecmath::{Matrix4, Real, Vector3};
+use vecmath::{Real, Vector3};
 
 /// Returns all instruction sets that this machine has.
 fn instruction_sets() -> Vec<InstructionSet> {
-    let here: Vec<_> = InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name)).collect();
+    let here: Vec<_> = InstructionSet::available().collect();
     if here.len() < InstructionSet::NAMES.len() {
         eprintln!("skipped: this processor does not have every instruction set, only {here:?}");
     }
     here
-}
-
-/// Makes a scene of one mesh.
-fn geometry(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Geometry {
-    let mesh = Mesh::new(positions, triangles);
-    let object = Object::new(Shape::Mesh(0), None, 0, Some(mesh.bounds()));
-    Geometry::new(vec![object], vec![mesh], InstructionSet::detected())
 }
 
 /// Checks the structure of a mesh's tree, and that every triangle is in it once. A mesh with a coordinate that is not
@@ -52,85 +44,6 @@ fn check<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result
     TestRunner::new_with_rng(config, rng).run(&strategy, test).unwrap();
 }
 
-/// Small whole numbers, which make coplanar, axis-parallel, touching and equal triangles likely, and other numbers.
-fn coordinate() -> impl Strategy<Value = f32> {
-    prop_oneof![
-        6 => (-3i8..=3).prop_map(f32::from),
-        4 => -3f32..3.0,
-        1 => -1e-6f32..1e-6,
-        1 => prop_oneof![Just(0.0), Just(-0.0), Just(1e-30), Just(1.0 + f32::EPSILON)],
-    ]
-}
-
-fn position() -> impl Strategy<Value = [f32; 3]> {
-    [coordinate(), coordinate(), coordinate()]
-}
-
-/// Ordinary triangles, needles, points, and copies of one another.
-fn soup() -> impl Strategy<Value = (Vec<[f32; 3]>, Vec<[u32; 3]>)> {
-    let scale =
-        prop_oneof![6 => Just(1.0f32), 1 => Just(1e-12), 1 => Just(1e12), 1 => Just(3e-38), 1 => Just(1e37)];
-    let offset = prop_oneof![4 => Just([0.0f32; 3]), 1 => Just([1e4, -1e4, 7.0]), 1 => Just([0.0, 1e-3, 2e7])];
-    (prop::collection::vec(position(), 3..60), scale, offset).prop_flat_map(|(positions, scale, offset)| {
-        let count = positions.len() as u32;
-        let corner = 0..count;
-        let triangles = prop::collection::vec([corner.clone(), corner.clone(), corner], 1..200);
-        let place = move |p: [f32; 3]| [0, 1, 2].map(|axis| p[axis] * scale + offset[axis] * scale);
-        let positions: Vec<[f32; 3]> = positions.into_iter().map(place).collect();
-        (Just(positions), triangles)
-    })
-}
-
-fn number() -> impl Strategy<Value = Real> {
-    prop_oneof![
-        20 => coordinate().prop_map(Real::from),
-        4 => -30.0..30.0,
-        1 => prop_oneof![Just(1e9), Just(-1e18), Just(1e-200), Just(5e-324), Just(1e300)],
-        1 => prop_oneof![Just(Real::NAN), Just(Real::INFINITY), Just(Real::NEG_INFINITY)],
-    ]
-}
-
-fn any_ray() -> impl Strategy<Value = Ray> {
-    ([number(), number(), number()], [number(), number(), number()])
-        .prop_map(|(origin, direction)| Ray { origin: origin.into(), direction: direction.into() })
-}
-
-/// All numbers of a hit as bits, so that NaN equals NaN.
-type Bits = (u32, u64, [u64; 3]);
-
-fn bits(hit: &Option<SurfaceHit>) -> Option<Bits> {
-    hit.map(|hit| (hit.triangle, hit.t.to_bits(), hit.barycentric.map(Real::to_bits)))
-}
-
-/// Finds the closest hit by the definition: the nearest hit of all triangles, and the first one of equals.
-fn closest_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
-    let mut closest: Option<SurfaceHit> = None;
-    for triangle in 0..mesh.triangle_count() as u32 {
-        let Some(hit) = intersect_triangle(ray, mesh.corners(triangle)) else { continue };
-        if hit.t < closest.map_or(t_max, |closest| closest.t) {
-            closest = Some(SurfaceHit { triangle, ..hit });
-        }
-    }
-    closest
-}
-
-fn any_by_loop(mesh: &Mesh, ray: &PreparedRay, t_max: Real) -> bool {
-    let mut triangles = 0..mesh.triangle_count() as u32;
-    triangles.any(|triangle| intersect_triangle(ray, mesh.corners(triangle)).is_some_and(|hit| hit.t <= t_max))
-}
-
-/// Finds an object's closest hit, with a loop over the triangles of its mesh.
-fn closest_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Real) -> Option<SurfaceHit> {
-    object.closest_hit(ray, t_max, |mesh, ray| closest_by_loop(&meshes[mesh as usize], ray, t_max))
-}
-
-fn any_of_object(object: &Object, meshes: &[Mesh], ray: &PreparedRay, t_max: Real) -> bool {
-    let t_max = t_max.min(T_MAX.next_down());
-    object.any_hit(ray, t_max, |mesh, ray| {
-        any_by_loop(&meshes[mesh as usize], ray, t_max).then_some(SurfaceHit::at(t_max))
-    })
-}
-
 /// Compares single rays and packets, with every instruction set, with the loop. The rule that a hit lies in the
 /// object's bounds applies to both.
 fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
@@ -139,54 +52,45 @@ fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
     let expected: Vec<_> = rays.iter().map(|ray| closest_of_object(object, meshes, ray, T_MAX)).collect();
     // A limit equal to the t of the hit shows whether the limit is inclusive.
     let limits: Vec<Real> = expected.iter().map(|hit| hit.map_or(5.0, |hit| hit.t)).collect();
+    let within = |ray: &PreparedRay, limit: Real| {
+        let nearer = closest_of_object(object, meshes, ray, limit);
+        (limit, bits(&nearer), any_of_object(object, meshes, ray, limit))
+    };
+    let expected_within: Vec<_> = rays
+        .iter()
+        .zip(&limits)
+        .map(|(ray, &limit)| [limit, limit.next_down(), 1.0].map(|limit| within(ray, limit)))
+        .collect();
     let mut scratch = Scratch::default();
     for set in instruction_sets() {
         for (number, ray) in rays.iter().enumerate() {
             let closest = |t_max| with_simd!(set, simd => geometry.closest_hit_of_object(simd, 0, ray, t_max));
             let any = |t_max| with_simd!(set, simd => geometry.any_hit_of_object(simd, 0, ray, t_max));
             prop_assert_eq!(bits(&closest(T_MAX)), bits(&expected[number]), "{} {:?}", set, ray);
-            for limit in [limits[number], limits[number].next_down(), 1.0] {
-                let nearer = closest_of_object(object, meshes, ray, limit);
-                prop_assert_eq!(bits(&closest(limit)), bits(&nearer), "{} {}", set, limit);
-                prop_assert_eq!(any(limit), any_of_object(object, meshes, ray, limit), "{} {}", set, limit);
+            for (limit, nearer, is_hit) in expected_within[number] {
+                prop_assert_eq!(bits(&closest(limit)), nearer, "{} {}", set, limit);
+                prop_assert_eq!(any(limit), is_hit, "{} {}", set, limit);
             }
         }
-        for (rays, expected) in rays.chunks(PACKET).zip(expected.chunks(PACKET)) {
+        for (first, rays) in (0..).step_by(PACKET).zip(rays.chunks(PACKET)) {
             let active = first_lanes(rays.len()) & 0xffff_ffff_ffff_fff7;
             let mut packet: RayPacket = rays.iter().map(|ray| ray.ray).collect();
             let mut hits = HitPacket::NONE;
             with_simd!(set, simd => geometry.closest_hits(simd, &mut packet, active, &mut scratch, &mut hits));
-            let mut limits = [5.0; PACKET];
-            expected.iter().zip(&mut limits).for_each(|(hit, limit)| *limit = hit.map_or(5.0, |hit| hit.t));
+            let mut t_max = [5.0; PACKET];
+            t_max[..rays.len()].copy_from_slice(&limits[first..first + rays.len()]);
             let found =
-                with_simd!(set, simd => geometry.any_hits(simd, &mut packet, active, &mut scratch, &limits));
+                with_simd!(set, simd => geometry.any_hits(simd, &mut packet, active, &mut scratch, &t_max));
             for lane in lanes_in(active) {
-                let ray = &rays[lane];
+                let (ray, number) = (&rays[lane], first + lane);
                 let closest = hits.get(lane, &geometry.objects).map(|hit| hit.surface);
-                prop_assert_eq!(bits(&closest), bits(&expected[lane]), "{} {:?}", set, ray);
-                let any = any_of_object(object, meshes, ray, limits[lane]);
-                prop_assert_eq!(has_lane(found, lane), any, "{} {:?}", set, ray);
+                prop_assert_eq!(bits(&closest), bits(&expected[number]), "{} {:?}", set, ray);
+                let [(_, _, is_hit), ..] = expected_within[number];
+                prop_assert_eq!(has_lane(found, lane), is_hit, "{} {:?}", set, ray);
             }
         }
     }
     Ok(())
-}
-
-/// Makes rays towards corners, edges and insides of triangles, where the last bits decide.
-fn aimed_rays(mesh: &Mesh, eye: Vector3, sideways: Vector3) -> Vec<Ray> {
-    let count = mesh.triangle_count().min(40) as u32;
-    let targets = (0..count).flat_map(|triangle| {
-        let [a, b, c] = mesh.corners(triangle);
-        [a, (a + b) * 0.5, a * 0.5 + b * 0.25 + c * 0.25]
-    });
-    let aimed = |target: Vector3| {
-        let from_eye = Ray { origin: eye, direction: target - eye };
-        // A ray that starts on the surface.
-        let from_target = Ray { origin: target, direction: sideways };
-        let axis_parallel = Ray { origin: target - sideways, direction: Vector3::new(0.0, 0.0, -1.0) };
-        [from_eye, from_target, axis_parallel]
-    };
-    targets.flat_map(aimed).collect()
 }
 
 #[test]
@@ -234,44 +138,10 @@ fn queries_of_coherent_rays_agree_with_the_loop() {
         };
         let parallel = |i: u32| Ray { direction: -eye, origin: eye + ray(i).direction * 0.01 };
         let rays: Vec<Ray> = (0..256).map(ray).chain((0..256).map(parallel)).collect();
-        let met =
-            rays.iter().filter(|ray| any_by_loop(&geometry.meshes[0], &PreparedRay::new(**ray), T_MAX)).count();
+        let met = count_hits(&geometry, &rays);
         assert!(met > 100, "{met} rays meet the square at scale {scale}");
         mesh_agrees(&geometry, &rays).unwrap();
     }
-}
-
-fn transform() -> impl Strategy<Value = Option<Matrix4>> {
-    let matrix = ([number(), number(), number()], -3.0..3.0, 0.2..2.0).prop_map(|(offset, angle, size)| {
-        let offset = Vector3::from(offset.map(|c: Real| if c.abs() < 1e6 { c } else { 0.5 }));
-        let axis = Vector3::new(0.3, 1.0, -0.5).normalized();
-        Matrix4::translation(offset)
-            * Matrix4::rotation(axis, angle)
-            * Matrix4::scaling(Vector3::new(size, 1.0, -size))
-    });
-    prop::option::of(matrix)
-}
-
-/// Objects as `compile` makes them: instances of two meshes, spheres, triangles and planes, some of them twice.
-fn scene() -> impl Strategy<Value = (Vec<Object>, Vec<Mesh>)> {
-    let object = (0..6u8, transform(), position(), position(), 0u32..3);
-    (prop::collection::vec(object, 1..40), soup(), soup()).prop_map(|(objects, one, other)| {
-        let meshes = vec![Mesh::new(one.0, one.1), Mesh::new(other.0, other.1)];
-        let vector = |p: [f32; 3]| Vector3::from(p.map(Real::from));
-        let made = objects.into_iter().flat_map(|(kind, matrix, p, q, copies)| {
-            let shape = match kind {
-                0 => Shape::Plane(Plane::new(vector(p) + Vector3::splat(0.1), q[0].into())),
-                1 | 2 => Shape::Sphere(Sphere { center: vector(p), radius: Real::from(q[0].abs()) + 0.1 }),
-                3 => Shape::Triangle(Triangle::new([vector(p), vector(q), Vector3::new(0.0, 1.0, 0.5)])),
-                _ => Shape::Mesh(u32::from(kind % 2)),
-            };
-            let bounds = shape.bounds(&meshes);
-            let transform = matrix.and_then(|matrix| Transform::new(&matrix).ok()).map(Box::new);
-            let object = Object::new(shape, transform, 0, bounds.as_ref());
-            (0..=copies / 2).map(move |_| object.clone())
-        });
-        (made.collect(), meshes)
-    })
 }
 
 fn hit_bits(hit: &Option<Hit>) -> Option<(u32, Bits)> {
@@ -372,8 +242,7 @@ fn queries_with_very_short_directions_agree_with_the_loop() {
             Ray { origin, direction: turned([share * length, 0.25 * share * length, -length]).into() }
         };
         let rays: Vec<Ray> = (0..80).map(ray).collect();
-        let met =
-            rays.iter().filter(|ray| any_by_loop(&geometry.meshes[0], &PreparedRay::new(**ray), T_MAX)).count();
+        let met = count_hits(&geometry, &rays);
         assert!(met > 60, "{met}");
         mesh_agrees(&geometry, &rays).unwrap();
     }

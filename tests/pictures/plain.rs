@@ -43,8 +43,7 @@ fn check(scene: &Path, flags: &str) {
     plain.plain = true;
     let expected = a2::render_scene(&plain).unwrap();
     assert!(expected.frame.film.linear.is_some());
-    let sets = InstructionSet::NAMES.iter().filter_map(|name| InstructionSet::named(name));
-    for set in sets {
+    for set in InstructionSet::available() {
         let wide = Options { simd: set, plain: false, ..plain.clone() };
         let found = a2::render_scene(&wide).unwrap();
         assert!(bits(&found.frame.film) == bits(&expected.frame.film), "{} {flags}: {set}", scene.display());
