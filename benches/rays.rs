@@ -83,7 +83,7 @@ struct Buffers {
 
 impl Buffers {
     fn new() -> Self {
-        Self { rays: RayPacket::NONE, t_max: [0.0; PACKET], hits: HitPacket::NONE, scratch: Scratch::default() }
+        Self { rays: RayPacket::NONE, t_max: [0.0; PACKET], hits: HitPacket::NONE, scratch: Scratch::EMPTY }
     }
 
     /// Converts the rays of a packet to `f64`.

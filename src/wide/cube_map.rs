@@ -11,6 +11,7 @@ pub struct CubeMapScratch {
     u: Scalars,
     v: Scalars,
     texels: [Vectors; 4],
+    colors: Vectors,
 }
 
 impl CubeMapScratch {
@@ -20,21 +21,21 @@ impl CubeMapScratch {
         u: [0.0; PACKET],
         v: [0.0; PACKET],
         texels: [Vectors::ZERO; 4],
+        colors: Vectors::ZERO,
     };
 }
 
-/// Sets the colours in the directions of the active lanes.
-pub fn colors<S: Simd>(
+/// Returns the colours in the directions of the active lanes.
+pub fn colors<'a, S: Simd>(
     simd: S,
     cube_map: &CubeMap,
     directions: &Vectors,
     active: u64,
-    scratch: &mut CubeMapScratch,
-    colors: &mut Vectors,
-) {
+    scratch: &'a mut CubeMapScratch,
+) -> &'a Vectors {
     scratch.directions = *directions;
     find_places(simd, active, scratch);
-    let CubeMapScratch { face, u, v, texels, .. } = scratch;
+    let CubeMapScratch { face, u, v, texels, colors, .. } = scratch;
     for lane in lanes_in(active) {
         let found = cube_map.texels(&Place { face: face[lane] as usize, u: u[lane], v: v[lane] });
         for (texels, found) in texels.iter_mut().zip(found.texels) {
@@ -44,6 +45,7 @@ pub fn colors<S: Simd>(
         (u[lane], v[lane]) = (found.right, found.below);
     }
     blend(simd, texels, u, v, active, colors);
+    colors
 }
 
 fn find_places<S: Simd>(simd: S, active: u64, scratch: &mut CubeMapScratch) {

@@ -43,11 +43,13 @@ impl MeshScratch {
         Self { hits: HitPacket::NONE, exact: TriangleHits::NONE, traversal: TraversalScratch::EMPTY };
 }
 
-impl Default for Scratch {
-    fn default() -> Self {
-        let object = ObjectScratch { rays: None, t: [0.0; PACKET], mesh: None };
-        Self { bounds: PacketBounds::EMPTY, traversal: None, any: None, object }
-    }
+impl Scratch {
+    pub const EMPTY: Self = Self {
+        bounds: PacketBounds::EMPTY,
+        traversal: None,
+        any: None,
+        object: ObjectScratch { rays: None, t: [0.0; PACKET], mesh: None },
+    };
 }
 
 impl Geometry {

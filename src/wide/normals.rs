@@ -12,12 +12,12 @@ const FEW: u32 = 3;
 /// Scratch of computing normals.
 pub struct NormalScratch {
     found: Vectors,
-    /// Normals of the corners of the triangles that are hit.
-    corners: [Vectors; 3],
+    /// Normals of the corners of the triangles that are hit. Made for the first mesh.
+    corners: Option<Box<[Vectors; 3]>>,
 }
 
 impl NormalScratch {
-    pub const EMPTY: Self = Self { found: Vectors::ZERO, corners: [Vectors::ZERO; 3] };
+    pub const EMPTY: Self = Self { found: Vectors::ZERO, corners: None };
 }
 
 /// Computes the normals of the active lanes, which have hit this object.
@@ -111,6 +111,7 @@ fn normals_of_mesh<S: Simd>(
     hits: &HitPacket,
     NormalScratch { found, corners }: &mut NormalScratch,
 ) -> u64 {
+    let corners = corners.get_or_insert_with(|| Box::new([Vectors::ZERO; 3]));
     vectorize!(simd, {
         let mut unusual = 0;
         for lane in lanes_in(active) {

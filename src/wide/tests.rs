@@ -100,13 +100,13 @@ fn colors_of_the_cube_map() {
     let (mut numbers, mut scratch) = (Numbers(3), CubeMapScratch::EMPTY);
     for set in InstructionSet::available() {
         for mask in MASKS {
-            let (mut directions, mut colors) = (Vectors::ZERO, Vectors::ZERO);
+            let mut directions = Vectors::ZERO;
             (0..PACKET).for_each(|lane| directions.set(lane, numbers.vector()));
             // Corners and edges of the cube.
             directions.set(0, Vector3::splat(-1.0));
             directions.set(37, Vector3::new(0.0, 2.0, -2.0));
-            with_simd!(set, simd => {
-                cube_map::colors(simd, &cube_map, &directions, mask, &mut scratch, &mut colors);
+            let colors = with_simd!(set, simd => {
+                cube_map::colors(simd, &cube_map, &directions, mask, &mut scratch)
             });
             for lane in lanes_in(mask) {
                 let direction = directions.get(lane);

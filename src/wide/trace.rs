@@ -18,7 +18,7 @@ use crate::ray_counts::RayCounts;
 use crate::ray_offset::BesideSurface;
 use crate::scene::Scene;
 use crate::simd::Simd;
-use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, lanes_in};
+use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in};
 use crate::trace::{Seen, can_change};
 use vecmath::Real;
 
@@ -52,27 +52,24 @@ struct PacketScratch {
     shadow_rays: RayPacket,
     /// How far each shadow ray goes.
     shadow_t_max: Scalars,
-    background: Vectors,
     queries: Scratch,
     normals: NormalScratch,
-    cube_map: CubeMapScratch,
+    /// Made for the first rays that need it.
+    cube_map: Option<Box<CubeMapScratch>>,
 }
 
-impl Default for PacketScratch {
-    fn default() -> Self {
-        Self {
-            hits: HitPacket::NONE,
-            surfaces: SurfacePacket::NONE,
-            beside: Vec::new(),
-            light: LightPacket::NONE,
-            shadow_rays: RayPacket::NONE,
-            shadow_t_max: [0.0; PACKET],
-            background: Vectors::ZERO,
-            queries: Scratch::default(),
-            normals: NormalScratch::EMPTY,
-            cube_map: CubeMapScratch::EMPTY,
-        }
-    }
+impl PacketScratch {
+    const EMPTY: Self = Self {
+        hits: HitPacket::NONE,
+        surfaces: SurfacePacket::NONE,
+        beside: Vec::new(),
+        light: LightPacket::NONE,
+        shadow_rays: RayPacket::NONE,
+        shadow_t_max: [0.0; PACKET],
+        queries: Scratch::EMPTY,
+        normals: NormalScratch::EMPTY,
+        cube_map: None,
+    };
 }
 
 impl<'a, S: Simd> PacketTracer<'a, S> {
@@ -88,7 +85,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             epsilon,
             counts: RayCounts::default(),
             camera_rays: None,
-            scratch: Box::default(),
+            scratch: Box::new(PacketScratch::EMPTY),
             mirror_rays: MirrorQueue::default(),
             spare: MirrorQueue::default(),
         }
@@ -225,12 +222,12 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             return;
         }
         let background = &self.scene.background;
-        let PacketScratch { background: colors, cube_map: scratch, .. } = &mut *self.scratch;
-        if let Some(cube_map) = &background.cube_map {
-            cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch, colors);
-        }
+        let colors = background.cube_map.as_ref().map(|cube_map| {
+            let scratch = self.scratch.cube_map.get_or_insert_with(|| Box::new(CubeMapScratch::EMPTY));
+            cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch)
+        });
         for lane in lanes_in(active) {
-            let light = if background.cube_map.is_some() { colors.get(lane) } else { background.color };
+            let light = colors.map_or(background.color, |colors| colors.get(lane));
             let color = paths.color.get(lane) + paths.throughput.get(lane).scaled_by(light);
             seen[paths.camera_ray[lane] as usize].color = color;
         }

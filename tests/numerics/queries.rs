@@ -61,7 +61,7 @@ fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
         .zip(&limits)
         .map(|(ray, &limit)| [limit, limit.next_down(), 1.0].map(|limit| within(ray, limit)))
         .collect();
-    let mut scratch = Scratch::default();
+    let mut scratch = Scratch::EMPTY;
     for set in instruction_sets() {
         for (number, ray) in rays.iter().enumerate() {
             let closest = |t_max| with_simd!(set, simd => geometry.closest_hit_of_object(simd, 0, ray, t_max));
@@ -204,7 +204,7 @@ fn queries_of_a_scene_agree_with_the_loop() {
         let blocked: Vec<bool> =
             rays.iter().zip(&limits).map(|(ray, limit)| blocked_by_loop(ray, *limit)).collect();
         let (mut geometry, mut scratch) =
-            (Geometry::new(objects.clone(), meshes, InstructionSet::detected()), Scratch::default());
+            (Geometry::new(objects.clone(), meshes, InstructionSet::detected()), Scratch::EMPTY);
         for set in instruction_sets() {
             geometry.instruction_set = set;
             let mut answers = Vec::new();
