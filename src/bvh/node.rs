@@ -78,6 +78,7 @@ impl Node {
         self.children[place] = child;
     }
 
+    #[inline]
     pub fn planes_of(&self, place: usize) -> Planes {
         self.planes.map(|plane| plane[place])
     }

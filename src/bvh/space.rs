@@ -256,6 +256,7 @@ impl CullingRay {
     }
 
     /// Returns origin * inverse, axis by axis.
+    #[inline]
     pub fn origin_times_inverse(&self) -> [f32; 3] {
         std::array::from_fn(|axis| self.origin[axis] * self.inverse[axis])
     }

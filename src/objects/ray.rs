@@ -26,6 +26,7 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
+    #[inline]
     pub fn new(ray: Ray) -> Self {
         Self { ray, inverse_direction: ray.direction.map(|d| 1.0 / d) }
     }

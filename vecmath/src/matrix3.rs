@@ -20,6 +20,7 @@ impl Matrix3 {
     }
 
     /// Swaps rows and columns.
+    #[inline]
     pub fn transposed(self) -> Self {
         let [a, b, c] = self.columns;
         Self::from_columns(Vector3::new(a.x, b.x, c.x), Vector3::new(a.y, b.y, c.y), Vector3::new(a.z, b.z, c.z))
@@ -93,6 +94,7 @@ impl Matrix3 {
     }
 
     /// Returns the absolute values of the entries. Bounds of rounding errors need them.
+    #[inline]
     pub fn abs(self) -> Self {
         Self { columns: self.columns.map(|column| column.map(Real::abs)) }
     }
@@ -123,6 +125,7 @@ impl Matrix3 {
 impl Mul<Vector3> for Matrix3 {
     type Output = Vector3;
 
+    #[inline]
     fn mul(self, v: Vector3) -> Vector3 {
         let [a, b, c] = self.columns;
         a * v.x + b * v.y + c * v.z

@@ -65,12 +65,14 @@ impl Matrix4 {
     }
 
     /// Returns the upper left 3 x 3 block, which transforms directions.
+    #[inline]
     pub fn linear(&self) -> Matrix3 {
         let [x, y, z, _] = self.columns.map(|c| Vector3::new(c.x, c.y, c.z));
         Matrix3::from_columns(x, y, z)
     }
 
     /// Returns the last column: the image of the origin.
+    #[inline]
     pub fn offset(&self) -> Vector3 {
         let c = self.columns[3];
         Vector3::new(c.x, c.y, c.z)
@@ -82,11 +84,13 @@ impl Matrix4 {
     }
 
     /// Returns the image of a point, for an affine matrix.
+    #[inline]
     pub fn transform_point(&self, point: Vector3) -> Vector3 {
         self.linear() * point + self.offset()
     }
 
     /// Returns the image of a direction, for an affine matrix.
+    #[inline]
     pub fn transform_direction(&self, direction: Vector3) -> Vector3 {
         self.linear() * direction
     }
