@@ -92,21 +92,30 @@ impl fmt::Display for SourceError {
 }
 
 /// Everything that can go wrong.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug)]
 pub enum Error {
     /// A wrong command line.
-    #[error("{0}\nhint: 'a2 -help' lists the flags")]
     Usage(String),
     /// A mistake at a known place in a scene or mesh file.
-    #[error("{0}")]
     Source(SourceError),
     /// A file that could not be read or written, or that has the wrong content.
-    #[error("{}: {message}", path.display())]
     File { path: PathBuf, message: String },
     /// Anything else that the program refuses.
-    #[error("{0}")]
     Refused(String),
 }
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(message) => write!(f, "{message}\nhint: 'a2 -help' lists the flags"),
+            Self::Source(error) => error.fmt(f),
+            Self::File { path, message } => write!(f, "{}: {message}", path.display()),
+            Self::Refused(message) => f.write_str(message),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
 
 impl Error {
     /// Makes an error about a whole file.
