@@ -3,7 +3,7 @@
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
 use super::hints::Hints;
-use super::{Background, Geometry, Scene, mesh_file};
+use super::{Background, Geometry, Scene, obj};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText};
@@ -187,7 +187,7 @@ impl Flattened<'_> {
             self.source.error(obj_file.span, message)
         })?;
         let index = self.meshes.len() as u32;
-        self.meshes.push(mesh_file::parse_mesh(&path, &bytes)?);
+        self.meshes.push(obj::parse_mesh(&path, &bytes)?);
         self.files.insert(path, index);
         Ok(index)
     }

@@ -6,14 +6,13 @@
 mod compile;
 mod geometry;
 mod hints;
-mod mesh_file;
+mod obj;
 mod object_tree;
-mod plain_obj;
 mod queries;
 
 pub use compile::{Compiled, compile};
 pub use geometry::{Geometry, build_mesh_tree};
-pub use mesh_file::parse_mesh;
+pub use obj::parse_mesh;
 pub use object_tree::LOOP_OBJECTS;
 
 use crate::camera::Camera;

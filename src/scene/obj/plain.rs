@@ -1,7 +1,7 @@
 //! Parses plain OBJ files by all threads in parallel.
 //!
 //! A plain file consists of `v x y z`, `vt`, `vn` and `f` with positive indices, as nearly all files do. At anything
-//! else, mistakes included, this parser gives up. Then [`mesh_file`](super::mesh_file) parses the file with `tobj`,
+//! else, mistakes included, this parser gives up. Then [`obj`](super) parses the file with `tobj`,
 //! about ten times slower. Both give the same mesh.
 
 use rayon::prelude::*;

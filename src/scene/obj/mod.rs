@@ -1,8 +1,9 @@
-//! Parses OBJ files into [`Mesh`]es: plain files by [`plain_obj`], all others by `tobj`.
+//! Parses OBJ files into [`Mesh`]es: plain files by [`plain`], all others by `tobj`.
 //!
 //! Only positions are used: normals are always computed from them, and texture coordinates are not needed.
 
-use super::plain_obj;
+mod plain;
+
 use crate::error::{Error, SourceText, Span};
 use crate::objects::Mesh;
 use std::path::Path;
@@ -13,7 +14,7 @@ use std::sync::Arc;
 /// # Errors
 /// [`Error::Source`] for a mistake at a known line, [`Error::File`] for anything else.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<Mesh, Error> {
-    match plain_obj::read(bytes) {
+    match plain::read(bytes) {
         Some((positions, triangles)) => Ok(Mesh::new(positions, triangles)),
         None => parse_any_mesh(path, bytes),
     }
