@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let value = |flag: &str| words.iter().position(|word| word == flag).and_then(|at| words.get(at + 1));
     let number = |flag: &str, default: usize| value(flag).map_or(Ok(default), |word| word.parse());
     let repeats = number("--repeats", 5)?;
-    let mesh = parse_mesh(mesh_path, &std::fs::read(mesh_path)?)?;
+    let mesh = parse_mesh(mesh_path, &std::fs::read(mesh_path)?)?.mesh;
     if words.iter().any(|word| word == "--build") {
         return time_building(&mesh, repeats);
     }

@@ -1,6 +1,7 @@
 //! [`Error`]: everything that can go wrong, with its message for the user and its exit code.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use std::borrow::Cow;
 use std::fmt;
 use std::io;
 use std::ops::Range;
@@ -146,8 +147,23 @@ impl Error {
     }
 }
 
+/// The longest word that a message shows whole, in characters. Names and numbers are shorter.
+const LONGEST_WORD: usize = 300;
+
+/// Returns `word` as a message shows it: a file may hold words of any length.
+pub fn cut_short(word: &str) -> Cow<'_, str> {
+    match word.char_indices().nth(LONGEST_WORD) {
+        None => Cow::Borrowed(word),
+        Some((end, _)) => Cow::Owned(format!("{}...", &word[..end])),
+    }
+}
+
 /// Returns the word of `known` that `word` is probably a typing mistake of.
 pub fn probably_meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // A longer word is no typing mistake, and the time for its distance grows with the length.
+    if word.chars().nth(LONGEST_WORD).is_some() {
+        return None;
+    }
     known
         .into_iter()
         .map(|candidate| {
@@ -195,5 +211,13 @@ mod tests {
     fn only_near_words_are_suggested() {
         assert_eq!(probably_meant("raduis", ["radius", "center"]), Some("radius"));
         assert_eq!(probably_meant("banana", ["radius", "center"]), None);
+    }
+
+    #[test]
+    fn words_of_any_length_end_soon() {
+        let word = "ä".repeat(50_000_000);
+        assert_eq!(probably_meant(&word, ["radius", "center"]), None);
+        assert_eq!(cut_short(&word), format!("{}...", "ä".repeat(LONGEST_WORD)));
+        assert_eq!(cut_short("short"), "short");
     }
 }

@@ -48,9 +48,10 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         meshes: Vec::new(),
         files: HashMap::new(),
         hints: Hints::default(),
+        warnings,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, hints, .. } = flattened;
+    let Flattened { objects, meshes, hints, mut warnings, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
     let (geometry, build) = timed(|| Geometry::new(objects, meshes, plan.simd));
     let materials = description.materials.clone();
@@ -113,6 +114,7 @@ struct Flattened<'a> {
     meshes: Vec<Mesh>,
     /// Meshes by their file.
     files: HashMap<PathBuf, u32>,
+    warnings: Vec<String>,
 }
 
 impl Flattened<'_> {
@@ -187,7 +189,9 @@ impl Flattened<'_> {
             self.source.error(obj_file.span, message)
         })?;
         let index = self.meshes.len() as u32;
-        self.meshes.push(obj::parse_mesh(&path, &bytes)?);
+        let file = obj::parse_mesh(&path, &bytes)?;
+        self.meshes.push(file.mesh);
+        self.warnings.extend(file.warnings);
         self.files.insert(path, index);
         Ok(index)
     }

@@ -3,6 +3,7 @@
 mod architecture;
 mod cli;
 mod measuring;
+mod meshes;
 mod mutations;
 mod needs;
 mod numbers;

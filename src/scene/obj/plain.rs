@@ -1,14 +1,13 @@
 //! Parses plain OBJ files by all threads in parallel.
 //!
-//! A plain file consists of `v x y z`, `vt`, `vn` and `f` with positive indices, as nearly all files do. At anything
-//! else, mistakes included, this parser gives up. Then [`obj`](super) parses the file with `tobj`,
-//! about ten times slower. Both give the same mesh.
+//! A plain file consists of `v x y z` and `f` with positive indices, as nearly all files do; other lines are skipped. At
+//! anything else, mistakes included, this parser gives up. Then [`clean`](super::clean) parses the file, about ten times
+//! slower. Both give the same mesh.
 
+use super::words::{coordinate, plain_vertex_number, vertex_part};
+use super::{Faces, Polygon};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Positions and triangles of a mesh.
-pub type Geometry = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// Size of a piece of a file in bytes, about.
 const PIECE: usize = 1 << 18;
@@ -19,34 +18,49 @@ struct Piece {
     positions: Vec<[f32; 3]>,
     /// Indices of positions, from 0.
     triangles: Vec<[u32; 3]>,
-    /// For texture coordinates and for normals: their number, and the largest index (from 1) in a face.
-    others: [(usize, usize); 2],
+    /// Triangles and faces are numbered within the piece.
+    polygons: Vec<Polygon>,
+    faces: usize,
 }
 
-/// Parses an OBJ file. Positions that no triangle uses are dropped. `None` if the file is not plain.
-pub fn read(bytes: &[u8]) -> Option<Geometry> {
+/// Parses an OBJ file. `None` if the file is not plain, or has no face.
+pub(super) fn read(bytes: &[u8]) -> Option<Faces> {
     let pieces: Option<Vec<Piece>> = pieces(bytes).into_par_iter().map(Piece::read).collect();
     let pieces = pieces?;
     let positions = joined(&pieces, |piece| &piece.positions);
-    for kind in 0..2 {
-        let count: usize = pieces.iter().map(|piece| piece.others[kind].0).sum();
-        if pieces.iter().any(|piece| piece.others[kind].1 > count) {
-            return None;
-        }
-    }
     let triangles = joined(&pieces, |piece| &piece.triangles);
+    let polygons = joined_polygons(&pieces);
+    let faces = pieces.iter().map(|piece| piece.faces).sum();
     drop(pieces);
+    let vertices = positions.len();
     let is_used: Vec<AtomicBool> = positions.iter().map(|_| AtomicBool::new(false)).collect();
     let use_position =
         |&corner: &u32| is_used.get(corner as usize).map(|used| used.store(true, Ordering::Relaxed));
     let use_corners = |corners: &[u32; 3]| corners.iter().all(|corner| use_position(corner).is_some());
-    if !triangles.par_iter().all(use_corners) {
+    if triangles.is_empty() || !triangles.par_iter().all(use_corners) {
         return None;
     }
     let is_used: Vec<bool> = is_used.into_iter().map(AtomicBool::into_inner).collect();
     let (positions, triangles) = without_unused(positions, triangles, &is_used);
     let is_finite = |position: &[f32; 3]| position.iter().all(|coordinate| coordinate.is_finite());
-    positions.par_iter().all(is_finite).then_some((positions, triangles))
+    let all_finite = positions.par_iter().all(is_finite);
+    all_finite.then_some(Faces { positions, triangles, polygons, vertices, faces })
+}
+
+/// The polygons of all pieces, numbered in the file.
+fn joined_polygons(pieces: &[Piece]) -> Vec<Polygon> {
+    let (mut first_triangle, mut first_face) = (0, 0);
+    let mut all = Vec::new();
+    for piece in pieces {
+        all.extend(piece.polygons.iter().map(|polygon| Polygon {
+            first_triangle: first_triangle + polygon.first_triangle,
+            face: first_face + polygon.face,
+            ..*polygon
+        }));
+        first_triangle += piece.triangles.len();
+        first_face += piece.faces;
+    }
+    all
 }
 
 /// Joins one part of all pieces.
@@ -76,7 +90,11 @@ fn pieces(mut rest: &[u8]) -> Vec<&[u8]> {
     pieces
 }
 
-fn without_unused(positions: Vec<[f32; 3]>, mut triangles: Vec<[u32; 3]>, is_used: &[bool]) -> Geometry {
+fn without_unused(
+    positions: Vec<[f32; 3]>,
+    mut triangles: Vec<[u32; 3]>,
+    is_used: &[bool],
+) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     if is_used.iter().all(|&used| used) {
         return (positions, triangles);
     }
@@ -100,75 +118,65 @@ impl Piece {
         let mut piece = Self::default();
         for line in text.split(|&byte| byte == b'\n') {
             let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-            match words.next() {
-                Some(b"v") => piece.positions.push(numbers(&mut words)?),
-                Some(b"vt") => {
-                    numbers::<2>(&mut words)?;
-                    piece.others[0].0 += 1;
-                    // A third coordinate is ignored.
-                    continue;
+            let is_whole = match words.next() {
+                None => true,
+                Some(b"v") => {
+                    piece.positions.push(position(&mut words)?);
+                    words.next().is_none()
                 }
-                Some(b"vn") => {
-                    numbers::<3>(&mut words)?;
-                    piece.others[1].0 += 1;
-                }
-                Some(b"f") => piece.face(&mut words)?,
+                Some(b"f" | b"fo") => piece.face(&mut words)?,
+                // Not a keyword in ASCII: there may be white space that is not looked for here.
+                Some(word) if !word[0].is_ascii_graphic() => return None,
+                Some(b"vt" | b"vn" | b"vp") => false,
                 Some(word) if matches!(word[0], b'v' | b'f') => return None,
-                _ => continue,
-            }
-            if words.next().is_some() {
+                Some(_) => false,
+            };
+            if !is_whole && hides_more(line) {
                 return None;
             }
         }
         Some(piece)
     }
 
-    /// Parses a face. A polygon becomes a fan of triangles around its first corner.
-    fn face<'a>(&mut self, words: &mut impl Iterator<Item = &'a [u8]>) -> Option<()> {
-        let first = self.corner(words.next()?)?;
-        let mut second = self.corner(words.next()?)?;
-        let mut third = self.corner(words.next()?)?;
-        loop {
+    /// Parses a face. A polygon becomes a fan of triangles around its first corner. Returns whether it ends with the line, and not with a comment.
+    fn face<'a>(&mut self, words: &mut impl Iterator<Item = &'a [u8]>) -> Option<bool> {
+        let first = corner(words.next()?)?;
+        let mut second = corner(words.next()?)?;
+        let mut third = corner(words.next()?)?;
+        let (first_triangle, face) = (self.triangles.len(), self.faces);
+        self.faces += 1;
+        let ends_with_line = loop {
             self.triangles.push([first, second, third]);
-            let Some(word) = words.next() else { return Some(()) };
-            (second, third) = (third, self.corner(word)?);
-        }
-    }
-
-    /// Parses a corner, `i`, `i/j`, `i//k` or `i/j/k`, and returns the index of its position, from 0.
-    fn corner(&mut self, word: &[u8]) -> Option<u32> {
-        let mut parts = word.split(|&byte| byte == b'/');
-        let position = index(parts.next()?)?;
-        for other in &mut self.others {
-            match parts.next() {
-                None => break,
-                Some(b"") => {}
-                Some(part) => other.1 = other.1.max(index(part)? as usize),
+            match words.next() {
+                None => break true,
+                Some(word) if word[0] == b'#' => break false,
+                Some(word) => (second, third) = (third, corner(word)?),
             }
+        };
+        let triangles = self.triangles.len() - first_triangle;
+        if triangles > 1 {
+            self.polygons.push(Polygon { first_triangle, triangles, face });
         }
-        parts.next().is_none().then(|| position - 1)
+        Some(ends_with_line)
     }
 }
 
-/// Parses the next `N` words as numbers.
-fn numbers<'a, const N: usize>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<[f32; N]> {
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = std::str::from_utf8(words.next()?).ok()?.parse().ok()?;
-    }
-    Some(numbers)
+/// Whether the part of a line that is not looked at may hold other lines, or go on in the next one.
+fn hides_more(line: &[u8]) -> bool {
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    line.contains(&b'\r')
+        || (line.trim_ascii_end().ends_with(b"\\") && matches!(line.trim_ascii_start()[0], b'v' | b'f'))
 }
 
-/// Parses a number from 1 to 999,999,999.
-fn index(digits: &[u8]) -> Option<u32> {
-    if digits.is_empty() || digits.len() > 9 {
-        return None;
-    }
-    let mut value = 0;
-    for &digit in digits {
-        value = 10 * value + u32::from(digit.is_ascii_digit().then(|| digit - b'0')?);
-    }
-    (value > 0).then_some(value)
+/// Parses a corner, and returns the index of its position, from 0.
+fn corner(word: &[u8]) -> Option<u32> {
+    plain_vertex_number(vertex_part(word)).map(|number| number - 1)
+}
+
+/// Parses the next three words as coordinates.
+fn position<'a>(words: &mut impl Iterator<Item = &'a [u8]>) -> Option<[f32; 3]> {
+    let mut next = || coordinate(words.next()?);
+    Some([next()?, next()?, next()?])
 }
 
 #[cfg(test)]
@@ -177,19 +185,22 @@ mod tests {
 
     #[test]
     fn plain_files_are_parsed() {
-        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0\nvt 0 1\nv 1 1 .5e0\nv 0 1 0\ng a\nf 1/1 3 4 5//\n";
-        let (positions, triangles) = read(text).unwrap();
-        assert_eq!(positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
-        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0 1 1 1 # red\nvt\nv 1 1 .5e0\nv 0 1 0\ng \xe9\nfo 1/x 3 4/-9 5// #\n";
+        let faces = read(text).unwrap();
+        assert_eq!(faces.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
+        assert_eq!(faces.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!((faces.vertices, faces.faces), (5, 1));
+        assert_eq!(faces.polygons, [Polygon { first_triangle: 0, triangles: 2, face: 0 }]);
     }
 
     #[test]
     fn faces_may_use_positions_of_other_pieces() {
         let vertices: String = (0..30_000).map(|i| format!("v {i} 0.5 -1\n")).collect();
-        let faces: String = (1..29_999).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
-        let (positions, triangles) = read(format!("{vertices}{faces}").as_bytes()).unwrap();
-        assert_eq!((positions.len(), positions[29_999][0]), (30_000, 29_999.0));
-        assert_eq!((triangles.len(), triangles[29_997]), (29_998, [29_997, 29_998, 29_999]));
+        let faces: String = (1..29_998).map(|i| format!("f {i} {} {} {}\n", i + 1, i + 2, i + 3)).collect();
+        let read = read(format!("{vertices}{faces}").as_bytes()).unwrap();
+        assert_eq!((read.positions.len(), read.positions[29_999][0]), (30_000, 29_999.0));
+        assert_eq!((read.triangles.len(), read.triangles[59_993]), (59_994, [29_996, 29_998, 29_999]));
+        assert_eq!(read.polygons[29_996], Polygon { first_triangle: 59_992, triangles: 2, face: 29_996 });
     }
 
     #[test]
@@ -201,19 +212,24 @@ mod tests {
             "f -1 -2 -3",
             "f 1 2 0",
             "f 1 2 x",
-            "f 1/1 2 3",
-            "f 1//1 2 3",
-            "f 1/1/1/1 2 3",
+            "f 1 2 /1",
             "v 1 2",
-            "v 1 2 3 4",
             "v 1 2 nan\nf 1 2 4",
-            "vt 1",
-            "vn 1 2",
-            "vp 1 2 3",
-            "fo 1 2 3",
+            "v 1 2 3#4",
+            "v 1 2 3 4 \\\n5",
+            "v 1 2 3\\\n4",
+            "f 1 2 3 \\\n1",
+            "f 1 2 3 # \\\n1",
+            "v 1 2 3\rv 4 5 6",
+            "# a\rf 1 2 3",
+            "f 1 2 3 #\rf 1 2 3",
+            "\u{feff}v 1 2 3",
+            "\u{b}v 1 2 3",
+            "fa 1 2 3",
             "f 1 2 \u{663}",
         ] {
-            assert!(read(format!("{THREE}{rest}\n").as_bytes()).is_none(), "{rest}");
+            assert!(read(format!("{THREE}f 1 2 3\n{rest}\n").as_bytes()).is_none(), "{rest}");
         }
+        assert!(read(THREE.as_bytes()).is_none());
     }
 }
