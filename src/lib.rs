@@ -23,6 +23,7 @@ pub mod camera;
 pub mod cube_map;
 pub mod error;
 pub mod film;
+pub mod input;
 pub mod light;
 pub mod material;
 pub mod measure;
@@ -105,6 +106,7 @@ fn render_to_files(options: &Options) -> Result<(), Error> {
         }
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
+            report.mesh_files.iter().for_each(|file| say(&format!("mesh {file}\n")));
         }
         let (written, encode) = timed(|| write::write_pictures(options, &report.frame.film));
         written?;
@@ -131,7 +133,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         drop(description);
         compiled
     });
-    let Compiled { scene, warnings, build } = compiled?;
+    let Compiled { scene, mesh_files, warnings, build } = compiled?;
     let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();
@@ -142,6 +144,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         total: Times::default(),
         left_out: plan.left_out,
         frame,
+        mesh_files,
         warnings,
         threads,
         convergence,

@@ -3,6 +3,7 @@
 use super::convergence::Point;
 use super::reference::TrueError;
 use crate::render::Frame;
+use crate::scene::MeshFile;
 use crate::timing::Times;
 use std::time::Duration;
 
@@ -12,6 +13,8 @@ pub struct Report {
     pub frame: Frame,
     /// Warnings about the scene.
     pub warnings: Vec<String>,
+    /// The files of the scene's meshes.
+    pub mesh_files: Vec<MeshFile>,
     /// What was left out and why, a sentence each.
     pub left_out: Vec<String>,
     /// Cube map faces that had to be decoded.

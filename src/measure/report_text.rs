@@ -4,6 +4,7 @@ use super::reference::{RELATIVE_EPSILON, TrueError};
 use super::report::{Report, peak_memory};
 use crate::options::Options;
 use crate::render::error_estimate::{ErrorEstimate, Interval};
+use crate::scene::MeshFile;
 use crate::timing::Times;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -33,6 +34,7 @@ impl Report {
             },
             "peak_memory_bytes": peak_memory(),
             "cube_map_faces_decoded": self.decoded_faces,
+            "meshes": self.mesh_files.iter().map(mesh_json).collect::<Vec<_>>(),
             "left_out": self.left_out,
             "samples": {
                 "sampler": options.jitter.then(|| measure.sampler.name()),
@@ -71,6 +73,9 @@ impl Report {
         if let Some(bytes) = peak_memory() {
             let _ = writeln!(text, "peak memory  {:.1} MB", bytes as f64 / 1e6);
         }
+        for file in &self.mesh_files {
+            let _ = writeln!(text, "mesh         {file}");
+        }
         for reason in &self.left_out {
             let _ = writeln!(text, "left out     {reason}");
         }
@@ -102,6 +107,19 @@ impl Report {
         }
         text
     }
+}
+
+fn mesh_json(file: &MeshFile) -> Value {
+    let counts = &file.counts;
+    json!({
+        "file": file.path.display().to_string(),
+        "vertices": counts.vertices,
+        "faces": counts.faces,
+        "triangles": counts.triangles,
+        "degenerate_faces_left_out": counts.degenerate,
+        "polygons_cut": counts.polygons,
+        "concave_polygons": counts.concave,
+    })
 }
 
 fn times_json(times: Times) -> Value {

@@ -3,10 +3,13 @@
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
 use super::hints::Hints;
-use super::{Background, Geometry, Scene, obj};
+use super::mesh_path::{self, MeshPath};
+use super::obj::{self, MeshFile};
+use super::{Background, Geometry, Scene};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
-use crate::error::{Error, SourceText};
+use crate::error::{Error, SourceText, Span, cut_short};
+use crate::input::read_whole;
 use crate::light::Light;
 use crate::objects::{Mesh, Object, Shape, Transform};
 use crate::plan::Plan;
@@ -17,10 +20,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vecmath::{Matrix4, Real, Vector3};
 
+/// Largest mesh file that is read. A triangle takes two bytes at least, so their numbers fit into 32 bits.
+const MAX_MESH_BYTES: u64 = 4 << 30;
+
 /// A scene, and warnings about it.
 #[derive(Debug)]
 pub struct Compiled {
     pub scene: Scene,
+    /// The files of its meshes, in their order.
+    pub mesh_files: Vec<MeshFile>,
     pub warnings: Vec<String>,
     /// The time it took to build trees.
     pub build: Times,
@@ -47,11 +55,12 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         objects: Vec::new(),
         meshes: Vec::new(),
         files: HashMap::new(),
+        mesh_files: Vec::new(),
         hints: Hints::default(),
         warnings,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, hints, mut warnings, .. } = flattened;
+    let Flattened { objects, meshes, mesh_files, hints, mut warnings, .. } = flattened;
     hints.finish(plan, &objects, source, &mut warnings);
     let (geometry, build) = timed(|| Geometry::new(objects, meshes, plan.simd));
     let materials = description.materials.clone();
@@ -64,7 +73,7 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         materials,
         geometry,
     };
-    Ok(Compiled { scene, warnings, build })
+    Ok(Compiled { scene, mesh_files, warnings, build })
 }
 
 fn camera(description: &Description) -> Result<Camera, Error> {
@@ -114,6 +123,7 @@ struct Flattened<'a> {
     meshes: Vec<Mesh>,
     /// Meshes by their file.
     files: HashMap<PathBuf, u32>,
+    mesh_files: Vec<MeshFile>,
     warnings: Vec<String>,
 }
 
@@ -184,15 +194,40 @@ impl Flattened<'_> {
         if let Some(&known) = self.files.get(&path) {
             return Ok(known);
         }
-        let bytes = std::fs::read(&path).map_err(|error| {
-            let message = format!("cannot read the mesh '{}': {error}", path.display());
-            self.source.error(obj_file.span, message)
+        let index = match mesh_path::find(self.folder, &obj_file.value) {
+            MeshPath::AsWritten => self.load(&path, obj_file.span, None)?,
+            MeshPath::Similar(name) => self.load(&path, obj_file.span, Some(&name))?,
+            MeshPath::Respelt(name) => {
+                let place = self.source.location(obj_file.span);
+                self.warnings.push(format!("{place}: there is no '{}': '{name}' is read", obj_file.value));
+                let path = self.folder.join(&name);
+                match self.files.get(&path) {
+                    Some(&known) => known,
+                    None => self.load(&path, obj_file.span, None)?,
+                }
+            }
+        };
+        self.files.insert(path, index);
+        Ok(index)
+    }
+
+    /// Reads a mesh file. `similar` is the name of another file that may be meant if there is none.
+    fn load(&mut self, path: &Path, span: Span, similar: Option<&str>) -> Result<u32, Error> {
+        let bytes = read_whole(path, MAX_MESH_BYTES).map_err(|error| {
+            let name = path.display().to_string();
+            let message = format!("cannot read the mesh '{}': {error}", cut_short(&name));
+            let error = self.source.error(span, message);
+            match similar {
+                Some(name) => error.with_note(format!("did you mean '{name}'?")),
+                None => error,
+            }
         })?;
         let index = self.meshes.len() as u32;
-        let file = obj::parse_mesh(&path, &bytes)?;
+        let file = obj::parse_mesh(path, &bytes)?;
         self.meshes.push(file.mesh);
         self.warnings.extend(file.warnings);
-        self.files.insert(path, index);
+        self.mesh_files.push(MeshFile { path: path.to_owned(), counts: file.counts });
+        self.files.insert(path.to_owned(), index);
         Ok(index)
     }
 }

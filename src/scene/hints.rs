@@ -3,6 +3,7 @@
 //!
 //! There is one sentence for each kind of warning, which names the first object concerned.
 
+use super::obj::others;
 use crate::error::{SourceText, Span};
 use crate::objects::{Aabb, Object, Shape};
 use crate::options::Epsilon;
@@ -34,13 +35,8 @@ impl Found {
     }
 
     fn sentence(&self, source: &SourceText, advice: &str) -> Option<String> {
-        let others = match self.count {
-            0 => return None,
-            1 => String::new(),
-            2 => " (and one more like it)".to_owned(),
-            n => format!(" (and {} more like it)", n - 1),
-        };
-        Some(format!("{}: {}{others}{advice}", source.location(self.place), self.what))
+        let sentence = || format!("{}: {}{}{advice}", source.location(self.place), self.what, others(self.count));
+        (self.count > 0).then(sentence)
     }
 }
 

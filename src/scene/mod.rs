@@ -6,13 +6,14 @@
 mod compile;
 mod geometry;
 mod hints;
+mod mesh_path;
 mod obj;
 mod object_tree;
 mod queries;
 
 pub use compile::{Compiled, compile};
 pub use geometry::{Geometry, build_mesh_tree};
-pub use obj::parse_mesh;
+pub use obj::{MeshCounts, MeshFile, parse_mesh};
 pub use object_tree::LOOP_OBJECTS;
 
 use crate::camera::Camera;

@@ -1,8 +1,8 @@
 //! The grammar that all blocks share: `Name { key value ... }`, keys in any order, each at most once.
 
 use super::description::At;
-use super::lexer::{Lexer, Token};
-use crate::error::{Error, SourceText, Span, probably_meant};
+use super::lexer::{Lexer, Token, is_quote};
+use crate::error::{Error, SourceText, Span, cut_short, probably_meant};
 use std::sync::Arc;
 use vecmath::{Real, Vector3};
 
@@ -45,15 +45,20 @@ const FOREIGN_WORDS: &[&str] = &[
     "emissionColor",
 ];
 
+/// The longest name in bytes that a hint shows.
+const LONGEST_NAME: usize = 200;
+
 /// Reads tokens and values.
 pub(super) struct Fields<'a> {
     pub source: &'a Arc<SourceText>,
     pub lexer: Lexer<'a>,
+    /// The place of the last name of a file or folder.
+    last_name: Span,
 }
 
 impl<'a> Fields<'a> {
     pub fn new(source: &'a Arc<SourceText>) -> Self {
-        Self { source, lexer: Lexer::new(&source.text) }
+        Self { source, lexer: Lexer::new(&source.text), last_name: Span::default() }
     }
 
     pub fn error(&self, span: Span, message: impl Into<String>) -> Error {
@@ -78,7 +83,7 @@ impl<'a> Fields<'a> {
         if token.text == "{" {
             return Ok(());
         }
-        let message = format!("expected '{{' after '{block}', found '{}'", token.text);
+        let message = format!("expected '{{' after '{block}', found '{}'", cut_short(token.text));
         Err(self.error(token.span, message))
     }
 
@@ -86,7 +91,7 @@ impl<'a> Fields<'a> {
     pub fn word(&mut self, key: &str, expected: &str) -> Result<Token<'a>, Error> {
         let token = self.next(|_| format!("{expected} for '{key}'"))?;
         if matches!(token.text, "{" | "}") {
-            let message = format!("expected {expected} for '{key}', found '{}'", token.text);
+            let message = format!("expected {expected} for '{key}', found '{}'", cut_short(token.text));
             return Err(self.error(token.span, message));
         }
         Ok(token)
@@ -104,11 +109,11 @@ impl<'a> Fields<'a> {
                 Err(self.error(token.span, format!("the number for '{key}' is too large (at most 1.79e308)")))
             }
             Ok(_) => {
-                let message = format!("expected a finite number for '{key}', found '{}'", token.text);
+                let message = format!("expected a finite number for '{key}', found '{}'", cut_short(token.text));
                 Err(self.error(token.span, message))
             }
             Err(_) => {
-                let message = format!("expected a number for '{key}', found '{}'", token.text);
+                let message = format!("expected a number for '{key}', found '{}'", cut_short(token.text));
                 Err(self.error(token.span, message))
             }
         }
@@ -119,9 +124,21 @@ impl<'a> Fields<'a> {
         Ok(Vector3::new(component()?, component()?, component()?))
     }
 
-    /// Reads the name of a file or folder.
+    /// Reads the name of a file or folder: a word, or anything in quotes in one line.
     pub fn path(&mut self, key: &str, expected: &str) -> Result<At<String>, Error> {
-        let token = self.word(key, expected)?;
+        let token = match self.lexer.quoted() {
+            Some(token) => token,
+            None => self.word(key, expected)?,
+        };
+        if token.text.is_empty() {
+            return Err(self.error(token.span, format!("expected {expected} for '{key}', found an empty name")));
+        }
+        if self.source.text[token.span.start..].starts_with(is_quote)
+            && token.text.len() == token.span.end - token.span.start
+        {
+            return Err(self.error(token.span, "this name has no closing quote in its line"));
+        }
+        self.last_name = token.span;
         Ok(At { value: token.text.to_owned(), span: token.span })
     }
 
@@ -131,8 +148,10 @@ impl<'a> Fields<'a> {
         match token.text.parse::<u32>() {
             Ok(value) if value <= i32::MAX as u32 => Ok(value),
             _ => {
-                let message =
-                    format!("expected a whole number from 0 to 2147483647 for '{key}', found '{}'", token.text);
+                let message = format!(
+                    "expected a whole number from 0 to 2147483647 for '{key}', found '{}'",
+                    cut_short(token.text)
+                );
                 Err(self.error(token.span, message))
             }
         }
@@ -157,7 +176,11 @@ impl<'a> Fields<'a> {
                 break;
             }
             let Some(&(key, occurs)) = keys.iter().find(|(key, _)| *key == token.text) else {
-                return Err(self.unknown_word(token, &format!("'{}'", name.text), keys.iter().map(|key| key.0)));
+                let error = self.unknown_word(token, &format!("'{}'", name.text), keys.iter().map(|key| key.0));
+                return Err(match self.split_name(token) {
+                    Some(whole) => error.with_note(format!("a name with spaces stands in quotes: \"{whole}\"")),
+                    None => error,
+                });
             };
             if occurs != Occurs::AnyNumber {
                 self.refuse_repetition(&mut seen, key, token.span)?;
@@ -169,6 +192,19 @@ impl<'a> Fields<'a> {
             Some((key, _)) => Err(self.error(name.span, format!("this '{}' has no '{key}'", name.text))),
             None => Ok(()),
         }
+    }
+
+    /// The name that was probably meant where `token` stands right behind a name without quotes.
+    fn split_name(&self, token: Token<'a>) -> Option<&'a str> {
+        let text = &self.source.text;
+        let (start, end) = (self.last_name.start, self.last_name.end);
+        let between = text.get(end..token.span.start)?;
+        if end == 0 || between.contains(|c| c != ' ' && c != '\t') || text[start..].starts_with(is_quote) {
+            return None;
+        }
+        let rest = &text[start..];
+        let whole = rest[..rest.find(['}', '\n']).unwrap_or(rest.len())].trim_end();
+        (whole.len() <= LONGEST_NAME).then_some(whole)
     }
 
     /// Notes that `key` is at `span`; returns an error if it was seen before.
@@ -202,7 +238,7 @@ impl<'a> Fields<'a> {
             let message = format!("'{}' does not belong here: {place} knows {}", token.text, listed(known));
             return self.error(token.span, message);
         }
-        let error = self.error(token.span, format!("{place} has no '{}'", token.text));
+        let error = self.error(token.span, format!("{place} has no '{}'", cut_short(token.text)));
         match probably_meant(token.text, known.clone()) {
             Some(word) => error.with_note(format!("did you mean '{word}'?")),
             None => error.with_note(format!("it knows {}", listed(known))),

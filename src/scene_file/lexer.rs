@@ -32,6 +32,19 @@ impl<'a> Lexer<'a> {
         Span { start: end, end }
     }
 
+    /// Reads a name in quotes, if one stands here: up to the next such quote in the same line. Its place includes the
+    /// quotes.
+    pub fn quoted(&mut self) -> Option<Token<'a>> {
+        self.skip_blanks_and_comments();
+        let rest = &self.text[self.at..];
+        let quote = rest.chars().next().filter(|&c| is_quote(c))?;
+        let line = &rest[1..rest.find('\n').unwrap_or(rest.len())];
+        let length = line.find(quote)?;
+        let start = self.at;
+        self.at += length + 2;
+        Some(Token { text: &line[..length], span: Span { start, end: self.at } })
+    }
+
     fn skip_blanks_and_comments(&mut self) {
         let bytes = self.text.as_bytes();
         loop {
@@ -72,6 +85,11 @@ fn is_brace(byte: u8) -> bool {
     matches!(byte, b'{' | b'}')
 }
 
+/// Whether a character opens and closes a name.
+pub fn is_quote(c: char) -> bool {
+    matches!(c, '"' | '\'')
+}
+
 impl<'a> Iterator for Lexer<'a> {
     type Item = Token<'a>;
 
@@ -110,6 +128,18 @@ mod tests {
     #[test]
     fn paths_may_hold_comment_signs() {
         assert_eq!(words("dir//file#1.obj"), ["dir//file#1.obj"]);
+    }
+
+    #[test]
+    fn names_in_quotes_may_hold_anything() {
+        for (text, name) in [("  \"a b # {}\" c", "a b # {}"), ("# x\n'say \"a\"'", "say \"a\""), ("\"\"", "")] {
+            assert_eq!(Lexer::new(text).quoted().unwrap().text, name, "{text}");
+        }
+        let mut lexer = Lexer::new("'é' f");
+        assert_eq!(lexer.quoted().unwrap().span, Span { start: 0, end: 4 });
+        assert_eq!(lexer.quoted(), None);
+        assert_eq!(lexer.next().unwrap().text, "f");
+        assert_eq!(Lexer::new("\"a\nb\"").quoted(), None);
     }
 
     #[test]

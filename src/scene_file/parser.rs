@@ -9,7 +9,8 @@ use super::lexer::Token;
 use super::shapes::{shape_names, shape_parser};
 use super::transforms::{STEP_NAMES, transform_step};
 use super::{blocks, lights};
-use crate::error::{Error, SourceText};
+use crate::error::{Error, SourceText, cut_short};
+use crate::input::read_whole;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,13 +29,10 @@ pub fn parse_file(path: &Path) -> Result<Description, Error> {
     if metadata.is_dir() {
         return Err(Error::file(path, "this is a folder, not a scene file"));
     }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(Error::file(path, "the scene file is larger than 1 GiB"));
-    }
-    let bytes = std::fs::read(path).map_err(cannot_read)?;
+    let bytes = read_whole(path, MAX_FILE_BYTES).map_err(cannot_read)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].split(|&b| b == b'\n').count();
-        Error::file(path, format!("line {line} is not UTF-8 text"))
+        Error::file(path, format!("line {line} is not UTF-8 text: save the file as UTF-8"))
     })?;
     parse(SourceText { path: path.to_owned(), text })
 }
@@ -198,7 +196,8 @@ impl<'a> Parser<'a> {
             steps.shrink_to_fit();
             return Ok(Node::Transform { steps, child });
         }
-        let message = format!("expected '}}' after the object of this 'Transform', found '{}'", token.text);
+        let message =
+            format!("expected '}}' after the object of this 'Transform', found '{}'", cut_short(token.text));
         let note = "a transform holds its transformations, then one object; put several objects into a 'Group'";
         Err(self.fields.error(token.span, message).with_note(note))
     }

@@ -3,7 +3,7 @@
 use super::description::TransformStep;
 use super::fields::Fields;
 use super::lexer::Token;
-use crate::error::Error;
+use crate::error::{Error, cut_short};
 use vecmath::{Real, Vector3};
 
 const AXES: [Vector3; 3] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
@@ -44,6 +44,6 @@ fn numbers_in_braces<const N: usize>(fields: &mut Fields, key: &str) -> Result<[
     if token.text == "}" {
         return Ok(numbers);
     }
-    let message = format!("expected '}}' after the {N} numbers of '{key}', found '{}'", token.text);
+    let message = format!("expected '}}' after the {N} numbers of '{key}', found '{}'", cut_short(token.text));
     Err(fields.error(token.span, message))
 }

@@ -3,6 +3,7 @@
 mod architecture;
 mod cli;
 mod measuring;
+mod mesh_names;
 mod meshes;
 mod mutations;
 mod needs;

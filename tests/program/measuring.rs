@@ -57,7 +57,7 @@ const KEYS: &str = "a2:text scene:text width:number height:number threads:number
     samples.time_limit_seconds:null
     estimated_error.levels.rmse:number estimated_error.levels.low_95:number estimated_error.levels.high_95:number
     estimated_error.linear.rmse:number estimated_error.linear.low_95:number estimated_error.linear.high_95:number
-    true_error.rmse_levels:number true_error.rmse_linear:number true_error.relative_mse:number
+    meshes:list true_error.rmse_levels:number true_error.rmse_linear:number true_error.relative_mse:number
     true_error.relative_mse_epsilon:number true_error.psnr_db:number true_error.ssim:number
     true_error.worst_levels:number true_error.worst_pixel:list
     true_error.share_over_1_level:number";

@@ -1,4 +1,4 @@
-//! Mesh files as people have them: every way to write one, and what is said about those that are none.
+//! Tests of mesh files as people have them: every way to write one, and the messages for files that are none.
 
 use crate::support::{Folder, Run, SCENE, TRIANGLE, middle};
 use image::RgbImage;
@@ -27,14 +27,14 @@ fn warned(mesh: &str) -> (RgbImage, String) {
     (folder.picture("o.png"), run.stderr)
 }
 
-fn refusal(mesh: &[u8]) -> String {
+pub fn refusal(mesh: &[u8]) -> String {
     let run = with_mesh(&Folder::new(), mesh);
     assert_eq!(run.exit_code, 1, "{}: {}", String::from_utf8_lossy(mesh), run.stderr);
     run.stderr.strip_prefix("error: ").unwrap_or_else(|| panic!("{}", run.stderr)).to_owned()
 }
 
 /// A kite of two triangles.
-const KITE: &str = "v -2 0 0\nv 0 -3 0\nv 2 0 0\nv 0 1.5 0\nf 1 2 3 4\n";
+pub const KITE: &str = "v -2 0 0\nv 0 -3 0\nv 2 0 0\nv 0 1.5 0\nf 1 2 3 4\n";
 
 fn utf16(text: &str, bytes_of: impl Fn(u16) -> [u8; 2]) -> Vec<u8> {
     text.encode_utf16().flat_map(bytes_of).collect()
@@ -159,18 +159,107 @@ fn degenerate_faces_are_left_out_with_one_warning() {
     }
 }
 
+/// Whether the mesh stands before the middle of each of 15 x 15 squares of the picture; those of the upper row first.
+fn covered(picture: &RgbImage) -> Vec<String> {
+    let is_lit = |row: u32, column: u32| picture.get_pixel(4 * column + 2, 4 * row + 2).0 != [0, 0, 0];
+    let symbol = |row, column| if is_lit(row, column) { '#' } else { '.' };
+    (0..15).map(|row| (0..15).map(|column| symbol(row, column)).collect()).collect()
+}
+
+#[test]
+fn concave_faces_stay_inside_their_outline() {
+    // The picture shows -10 to 10: a square of it is 4/3 wide. A U that is open above, and an arrow head.
+    let u = "v -8.67 -8.67 0\nv 8.67 -8.67 0\nv 8.67 8.67 0\nv 4.67 8.67 0\nv 4.67 -4.67 0\nv -4.67 -4.67 0\nv -4.67 8.67 0\nv -8.67 8.67 0\n";
+    let (side, base, none) = (".###.......###.", ".#############.", "...............");
+    let rows: Vec<_> = (0..15)
+        .map(|row| match row {
+            0 | 14 => none,
+            11.. => base,
+            _ => side,
+        })
+        .collect();
+    for faces in [
+        "f 1 2 3 4 5 6 7 8\n",
+        "f 8 7 6 5 4 3 2 1\n",
+        "f 4 5 6 7 8 1 2 3\n",
+        "f -3 -2 -1 1/1 2/1 3/1 4/1 5/1 # U\n",
+    ] {
+        assert_eq!(covered(&rendered(format!("{u}{faces}").as_bytes())), rows, "{faces}");
+    }
+    let head = "v -8 -8 0\nv 0 -4 0\nv 8 -8 0\nv 0 8 0\n";
+    for face in ["f 1 2 3 4\n", "f 2 3 4 1\n", "f 3 4 1 2\n", "f 4 3 2 1\n"] {
+        let picture = rendered(format!("{head}{face}").as_bytes());
+        let is_lit = |x: i32, y: i32| picture.get_pixel((30 + 3 * x) as u32, (30 - 3 * y) as u32).0 == [255; 3];
+        assert!(is_lit(0, 0) && is_lit(-6, -6) && is_lit(6, -6), "{face}");
+        assert!(!is_lit(0, -6) && !is_lit(-4, -7) && !is_lit(4, -7), "{face}");
+    }
+}
+
+#[test]
+fn faces_that_cross_themselves_become_fans_with_one_warning() {
+    let corners = "v -8 -8 0\nv 8 8 0\nv 8 -8 0\nv -8 8 0\nv 0 0 20\n";
+    let (picture, warning) = warned(&format!("{corners}f 1 3 2 4\n\nf 1 2 3 4\nf 1 2 3 4 # again\n"));
+    let expected = "warning: m.obj:8:1: this polygon crosses itself or is far from flat (and one more like it): it becomes a \
+                    fan of triangles around its first corner\n";
+    assert_eq!(warning, expected);
+    assert_eq!(picture, rendered(format!("{corners}f 1 3 2 4\n").as_bytes()));
+    let (_, warning) = warned(&format!("{corners}f 1 5 3 2 -1 4\n"));
+    assert!(
+        warning.starts_with("warning: m.obj:6:1: this polygon crosses itself or is far from flat"),
+        "{warning}"
+    );
+}
+
+#[test]
+fn what_is_no_mesh_is_named() {
+    let stl = [&[b' '; 80][..], &2u32.to_le_bytes(), &[7; 100]].concat();
+    for (bytes, what) in [
+        (&b""[..], "the file is empty"),
+        (b" \r\n\t\n\0\0", "the file is empty but for white space"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n", "a Git LFS pointer"),
+        (b"\n  <!doctype HTML>\n<p>\nf 1 2 3", "an HTML page"),
+        (b"<html><body>404", "an HTML page"),
+        (b"<?xml version=\"1.0\"?><COLLADA>", "an XML document"),
+        (b"ply\nformat ascii 1.0\nelement vertex 8\n", "a PLY model"),
+        (b"solid cube\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "an STL model"),
+        (&stl, "a binary STL model"),
+        (b"OFF\n3 1 0\n0 0 0\n", "an OFF model"),
+        (b"\x1f\x8b\x08\0\0\0\0\0", "compressed with gzip"),
+        (b"PK\x03\x04\x14\0", "a ZIP archive"),
+        (b"\x7fELF\x02\x01\x01\0\0\0", "an ELF object file"),
+        (b"\x64\x86\x03\0\0\0\0\0", "a compiled object file (COFF"),
+        (b"\x4c\x01\x03\0\0\0\0\0", "a compiled object file (COFF"),
+        (b"{\"asset\": {\"version\": \"2.0\"}}", "JSON, as glTF models are"),
+        (b"glTF\x02\0\0\0", "a binary glTF model"),
+        (b"Kaydara FBX Binary  \0\x1a\0", "a binary FBX model"),
+        (b"; FBX 7.3.0 project file\n", "an FBX model"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "a PNG picture"),
+        (b"\xff\xd8\xff\xe0\0\x10JFIF", "a JPEG picture"),
+        (b"newmtl red\nKd 1 0 0\n", "a material library (MTL)"),
+        (SCENE.as_bytes(), "a scene, not a mesh"),
+        (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nf 1 2 x\n", "the file is binary"),
+    ] {
+        let message = refusal(bytes);
+        let start = "m.obj: this is no OBJ mesh: the file is ";
+        assert!(message.starts_with(start) && message.contains(what), "{what}: {message}");
+    }
+    for (text, place) in [("# an empty scene\n", "m.obj:1:1"), ("\n  Hello\nvn 0 0 1\n", "m.obj:2:3")] {
+        let message = refusal(text.as_bytes());
+        let expected = format!("{place}: this is no OBJ mesh: no line is a vertex ('v') or a face ('f')");
+        assert!(message.starts_with(&expected), "{message}");
+    }
+}
+
 #[test]
 fn points_and_lines_are_counted_in_a_warning() {
     for (text, counts) in [
-        ("v 0 0 0\nv 1 1 1\n", "2 vertices, 0 points, 0 lines, 0 curves and free-form surfaces"),
-        (
-            "v 0 0 0\nv 1 1 1\nl 1 2\nl 2 1\np 1 2 1\n",
-            "2 vertices, 3 points, 2 lines, 0 curves and free-form surfaces",
-        ),
-        ("v 0 0 0\nsurf 0 1 0 1 1\n", "1 vertices, 0 points, 0 lines, 1 curves and free-form surfaces"),
+        ("v 0 0 0\nv 1 1 1\n", "vertices 2, points 0, lines 0, curves and surfaces 0"),
+        ("v 0 0 0\nv 1 1 1\nl 1 2\nl 2 1\np 1 2 1\n", "vertices 2, points 3, lines 2, curves and surfaces 0"),
+        ("v 0 0 0\nsurf 0 1 0 1 1\n", "vertices 1, points 0, lines 0, curves and surfaces 1"),
     ] {
         let (picture, warning) = warned(text);
-        assert_eq!(warning, format!("warning: m.obj: no picture shows this mesh: it has {counts}, and no face\n"));
+        let expected = format!("warning: m.obj: no picture shows this mesh, for it has no face ({counts})\n");
+        assert_eq!(warning, expected);
         assert!(picture.pixels().all(|pixel| pixel.0 == [0, 0, 0]));
     }
 }

@@ -55,6 +55,11 @@ impl Clean {
         }
     }
 
+    /// Whether there is nothing that a mesh file has.
+    pub fn is_empty(&self) -> bool {
+        self.vertices + self.faces + self.degenerate + self.points + self.lines + self.curved == 0
+    }
+
     /// What the file's author should know.
     pub fn warnings(&self, source: &SourceText) -> Vec<String> {
         let mut warnings = Vec::new();
@@ -67,8 +72,8 @@ impl Clean {
         }
         if self.faces == 0 {
             warnings.push(format!(
-                "{}: no picture shows this mesh: it has {} vertices, {} points, {} lines, {} curves and free-form surfaces, \
-                 and no face",
+                "{}: no picture shows this mesh, for it has no face (vertices {}, points {}, lines {}, curves and \
+                 surfaces {})",
                 source.path.display(),
                 self.vertices,
                 self.points,

@@ -2,20 +2,25 @@
 //!
 //! Only corners' positions are used: normals are always computed from them, and texture coordinates have no use. Plain
 //! files are read by all threads ([`plain`]). Others are decoded ([`decode`]), taken apart into [`statements`] with their
-//! places, and read by `tobj` from a clean text ([`clean`]).
+//! places, and read by `tobj` from a clean text ([`clean`]). Then [`polygons`] that are no fans are cut.
 
 mod clean;
 mod decode;
+mod foreign;
 mod plain;
+mod polygons;
 mod statements;
 #[cfg(test)]
 mod tests;
 mod words;
 
-use crate::error::{Error, SourceText};
+use crate::error::{Error, SourceText, Span};
 use crate::objects::Mesh;
 use clean::Clean;
-use std::path::Path;
+use statements::{Kind, Statements};
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A mesh, and what its author should know about the file.
@@ -37,6 +42,27 @@ pub struct MeshCounts {
     pub degenerate: usize,
     /// Faces with more than three corners, which are cut into triangles.
     pub polygons: usize,
+    /// Polygons that are not convex, and are cut inside their outline.
+    pub concave: usize,
+}
+
+/// A mesh file of a scene.
+#[derive(Clone, Debug)]
+pub struct MeshFile {
+    pub path: PathBuf,
+    pub counts: MeshCounts,
+}
+
+impl fmt::Display for MeshFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let MeshCounts { vertices, faces, triangles, degenerate, polygons, concave } = self.counts;
+        write!(
+            f,
+            "{}: vertices {vertices}, faces {faces}, triangles {triangles}, degenerate faces left out {degenerate}, \
+             polygons cut {polygons} (concave {concave})",
+            self.path.display()
+        )
+    }
 }
 
 /// The faces that a reader found in a file.
@@ -63,6 +89,12 @@ struct Polygon {
     face: usize,
 }
 
+impl Polygon {
+    fn range(&self) -> Range<usize> {
+        self.first_triangle..self.first_triangle + self.triangles
+    }
+}
+
 impl Faces {
     fn add_fan(&mut self, face: usize, corners: &[u32]) {
         let first_triangle = self.triangles.len();
@@ -80,7 +112,7 @@ impl Faces {
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
     let plain = bytes.strip_prefix(decode::UTF8_MARK).unwrap_or(bytes);
     match plain::read(plain) {
-        Some(faces) => Ok(finish(faces, MeshCounts::default(), Vec::new())),
+        Some(faces) => Ok(finish(faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes))),
         None => parse_any_mesh(path, bytes),
     }
 }
@@ -92,24 +124,68 @@ fn source_text(path: &Path, bytes: &[u8]) -> Arc<SourceText> {
 /// Reads an OBJ file that need not be plain.
 fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
     let source = source_text(path, bytes);
-    let clean = Clean::new(&source)?;
+    if let Some(what) = foreign::kind_of(bytes, &source.text) {
+        return Err(Error::file(path, format!("this is no OBJ mesh: the file is {what}")));
+    }
+    let clean = match Clean::new(&source) {
+        Err(_) if foreign::is_binary(&source.text) => return Err(no_mesh(&source)),
+        clean => clean?,
+    };
+    if clean.is_empty() {
+        return Err(no_mesh(&source));
+    }
     let warnings = clean.warnings(&source);
     let counts = MeshCounts { degenerate: clean.degenerate, ..MeshCounts::default() };
     let faces = clean.read(&source)?;
-    Ok(finish(faces, counts, warnings))
+    Ok(finish(faces, counts, warnings, || source))
 }
 
-/// Makes the mesh.
-fn finish(faces: Faces, mut counts: MeshCounts, warnings: Vec<String>) -> ObjFile {
+/// The error for a file with nothing that a mesh has.
+fn no_mesh(source: &Arc<SourceText>) -> Error {
+    if foreign::is_binary(&source.text) {
+        return Error::file(&source.path, "this is no OBJ mesh: the file is binary");
+    }
+    let start = source.text.find(|c| !statements::separates(c)).unwrap_or_default();
+    let line = source.text[start..].lines().next().unwrap_or_default();
+    source.error(
+        Span { start, end: start + line.len() },
+        "this is no OBJ mesh: no line is a vertex ('v') or a face ('f')",
+    )
+}
+
+/// Cuts polygons and makes the mesh.
+fn finish(
+    mut faces: Faces,
+    mut counts: MeshCounts,
+    mut warnings: Vec<String>,
+    source: impl FnOnce() -> Arc<SourceText>,
+) -> ObjFile {
+    let cuts = polygons::cut(&faces.positions, &mut faces.triangles, &faces.polygons);
+    if cuts.doubtful > 0 {
+        let source = source();
+        let place = source.location(place_of_face(&source.text, cuts.first_doubtful));
+        let others = others(cuts.doubtful);
+        warnings.push(format!(
+            "{place}: this polygon crosses itself or is far from flat{others}: it becomes a fan of triangles around its first corner"
+        ));
+    }
     counts.vertices = faces.vertices;
     counts.faces = faces.faces + counts.degenerate;
     counts.triangles = faces.triangles.len();
     counts.polygons = faces.polygons.len();
+    counts.concave = cuts.concave;
     ObjFile { mesh: Mesh::new(faces.positions, faces.triangles), counts, warnings }
 }
 
-/// How many there are besides the one that a sentence is about.
-fn others(count: usize) -> String {
+/// The place of a face, by its number among those with three corners or more.
+fn place_of_face(text: &str, number: usize) -> Span {
+    let is_face =
+        |statement: &statements::Statement| statement.kind == Kind::Face && statement.words().nth(2).is_some();
+    Statements::new(text).filter(is_face).nth(number).map_or(Span::default(), |statement| statement.keyword)
+}
+
+/// Says how many there are besides the one that a sentence is about.
+pub(super) fn others(count: usize) -> String {
     match count {
         0 | 1 => String::new(),
         2 => " (and one more like it)".to_owned(),

@@ -1,0 +1,92 @@
+//! The path of a mesh file from its name in a scene, also where that was written on a system that takes `A` for `a` and `\` for
+//! `/`.
+
+use crate::error::probably_meant;
+use std::path::{Path, PathBuf};
+
+/// What there is for a name.
+#[derive(Debug, PartialEq)]
+pub(super) enum MeshPath {
+    /// The file itself, or nothing that is like it: whoever reads it will see.
+    AsWritten,
+    /// A file whose name differs in upper and lower case or in slashes only, as it would be written.
+    Respelt(String),
+    /// A file with a similar name, as it would be written.
+    Similar(String),
+}
+
+/// Looks for the file `name` in `folder`.
+pub(super) fn find(folder: &Path, name: &str) -> MeshPath {
+    match std::fs::metadata(folder.join(name)) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => respelt(folder, name),
+        _ => MeshPath::AsWritten,
+    }
+}
+
+fn respelt(folder: &Path, name: &str) -> MeshPath {
+    let name = name.replace('\\', "/");
+    let mut found = PathBuf::from(if name.starts_with('/') { "/" } else { "" });
+    let mut parts = name.split('/').filter(|part| !part.is_empty());
+    while let Some(part) = parts.next() {
+        let here = folder.join(&found);
+        if here.join(part).exists() {
+            found.push(part);
+            continue;
+        }
+        let names = names_in(&here);
+        if let Some(same) = names.iter().find(|name| name.to_lowercase() == part.to_lowercase()) {
+            found.push(same);
+            continue;
+        }
+        let Some(similar) = probably_meant(part, names.iter().map(String::as_str)) else {
+            return MeshPath::AsWritten;
+        };
+        found.push(similar);
+        found.extend(parts);
+        return MeshPath::Similar(written(&found));
+    }
+    MeshPath::Respelt(written(&found))
+}
+
+fn written(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// The names in a folder, sorted, so that the same one is found on every machine.
+fn names_in(folder: &Path) -> Vec<String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn names_are_found_however_they_are_spelt() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("Models")).unwrap();
+        for name in ["Models/Bunny.obj", "Models/bunny.OBJ", "été.obj"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let respelt = |name: &str| MeshPath::Respelt(name.to_owned());
+        let similar = |name: &str| MeshPath::Similar(name.to_owned());
+        for (name, expected) in [
+            ("Models/bunny.OBJ", MeshPath::AsWritten),
+            ("models/BUNNY.OBJ", respelt("Models/Bunny.obj")),
+            ("models\\Bunny.obj", respelt("Models/Bunny.obj")),
+            ("./models//bunny.obj", respelt("./Models/Bunny.obj")),
+            ("ÉTÉ.obj", respelt("été.obj")),
+            ("Models/buny.obj", similar("Models/Bunny.obj")),
+            ("Model/Bunny.obj", similar("Models/Bunny.obj")),
+            ("dragon.obj", MeshPath::AsWritten),
+            ("x/y/z", MeshPath::AsWritten),
+        ] {
+            assert_eq!(find(folder.path(), name), expected, "{name}");
+        }
+    }
+}
