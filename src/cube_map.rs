@@ -149,13 +149,14 @@ pub(crate) struct Texels {
 }
 
 impl Texels {
-    /// Interpolates bilinearly.
+    /// Interpolates bilinearly. Four equal texels give their own value to the bit, which v(1 - w) + vw would not.
     #[inline(always)]
     pub fn blend(&self) -> Vector3 {
+        let between = |from: Vector3, to: Vector3, share: Real| from + (to - from) * share;
         let [upper_left, upper_right, lower_left, lower_right] = self.texels;
-        let upper = upper_left * (1.0 - self.right) + upper_right * self.right;
-        let lower = lower_left * (1.0 - self.right) + lower_right * self.right;
-        upper * (1.0 - self.below) + lower * self.below
+        let upper = between(upper_left, upper_right, self.right);
+        let lower = between(lower_left, lower_right, self.right);
+        between(upper, lower, self.below)
     }
 }
 
