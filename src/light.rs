@@ -29,7 +29,7 @@ pub struct Illumination {
 
 impl Light {
     /// Returns the light that falls on `point` if nothing blocks it. The colour of a point light is divided by
-    /// falloff times the squared distance; the light is infinite if that product is zero.
+    /// falloff times the squared distance, or by [`WITHOUT_FALLOFF`] if that product is zero.
     pub fn illuminate(&self, point: Vector3) -> Illumination {
         match *self {
             Self::Directional { to_light, color } => from_direction(to_light, color),
@@ -44,7 +44,7 @@ impl Light {
         }
     }
 
-    /// Returns whether the light is infinite everywhere: a point light that does not fade.
+    /// Returns whether the light is beyond any picture everywhere: a point light that does not fade.
     pub fn is_infinite(&self) -> bool {
         matches!(self, Self::Point { falloff: 0.0, .. })
     }
@@ -82,6 +82,10 @@ impl Light {
     }
 }
 
+/// What stands for a divisor of zero: so small that any colour becomes brighter than a picture shows, and so large that
+/// it stays finite. An infinite light would be NaN, and so black, on the dark side and wherever a colour is zero.
+const WITHOUT_FALLOFF: Real = Real::MIN_POSITIVE / Real::EPSILON;
+
 #[inline(always)]
 fn from_direction(to_light: Vector3, color: Vector3) -> Illumination {
     Illumination { to_light, distance: Real::INFINITY, intensity: color }
@@ -93,7 +97,9 @@ fn from_point(position: Vector3, color: Vector3, falloff: Real, point: Vector3) 
     let distance = offset.length();
     // A point at the light's own position receives nothing, because there is no direction to the light.
     let is_elsewhere = distance != 0.0;
-    let (to_light, intensity) = (offset / distance, color / (falloff * distance * distance));
+    let fading = falloff * distance * distance;
+    let fading = if fading == 0.0 { WITHOUT_FALLOFF } else { fading };
+    let (to_light, intensity) = (offset / distance, color / fading);
     Illumination {
         to_light: if is_elsewhere { to_light } else { Vector3::ZERO },
         distance,
@@ -125,8 +131,10 @@ mod tests {
     }
 
     #[test]
-    fn a_point_light_without_falloff_is_infinite() {
-        let light = Light::Point { position: Vector3::ZERO, color: Vector3::splat(0.5), falloff: 0.0 };
-        assert_eq!(light.illuminate(Vector3::splat(1.0)).intensity, Vector3::splat(Real::INFINITY));
+    fn a_point_light_without_falloff_is_huge_but_finite() {
+        let light = Light::Point { position: Vector3::ZERO, color: Vector3::new(0.5, 1e9, 0.0), falloff: 0.0 };
+        let [red, green, blue] = light.illuminate(Vector3::splat(1.0)).intensity.to_array();
+        assert!(red > 1e30 && green > red && green.is_finite(), "{red} {green}");
+        assert_eq!(blue, 0.0);
     }
 }

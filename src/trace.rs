@@ -60,6 +60,7 @@ pub fn trace_ray(scene: &Scene, plan: &Plan, camera_ray: Ray, counts: &mut RayCo
         if !can_change(scene, plan, seen.color, throughput, bounces) {
             return seen;
         }
+        (seen.color, throughput) = kept_finite(scene, seen.color, throughput);
         counts.mirror += 1;
         ray = surface.mirror_ray(plan);
         hit = scene.geometry.closest_hit(&ray);
@@ -142,6 +143,18 @@ pub fn can_change(scene: &Scene, plan: &Plan, color: Vector3, throughput: Vector
     };
     let rest = Real::from(bounces as f32 + 1.0) * bound;
     (0..3).any(|c| color[c] + throughput[c].abs() * rest != color[c])
+}
+
+/// Returns the colour and the throughput of a path that goes on, with components that are finite. Mirrors that brighten
+/// can make a throughput infinite, and infinity times the black of a surface is NaN. The course multiplies on the way
+/// back, which gives a huge colour and no NaN.
+#[inline]
+pub fn kept_finite(scene: &Scene, color: Vector3, throughput: Vector3) -> (Vector3, Vector3) {
+    if scene.throughput_never_grows {
+        return (color, throughput);
+    }
+    let finite = |v: Vector3| v.map(|component| component.clamp(-Real::MAX, Real::MAX));
+    (finite(color), finite(throughput))
 }
 
 /// Returns the direction in which a camera ray leaves the scene, at once or after at most `mirrors` mirrors.

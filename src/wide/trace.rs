@@ -19,7 +19,7 @@ use crate::ray_offset::BesideSurface;
 use crate::scene::Scene;
 use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in};
-use crate::trace::{Seen, can_change};
+use crate::trace::{Seen, can_change, kept_finite};
 use vecmath::Real;
 
 /// So many packets of camera rays are followed together: their mirror rays fill packets of their own.
@@ -212,6 +212,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
                 Some(beside) => beside.mirror_ray(surfaces.reflected.get(lane), self.plan.robust),
                 None => surfaces.mirror_ray(lane, self.epsilon),
             };
+            let (color, throughput) = kept_finite(self.scene, color, throughput);
             self.mirror_rays.push(ray, camera_ray[lane], color, throughput);
         }
     }

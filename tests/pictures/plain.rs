@@ -88,7 +88,7 @@ fn plain_and_wide_pictures_of_many_objects_are_the_same_to_the_bit() {
     );
     let folder = Folder::new();
     folder.write("s.txt", scene);
-    // The third light is infinite, so no number of samples reaches a target error.
+    // The third light does not fade, so no number of samples reaches a target error.
     for flags in FLAGS.into_iter().filter(|flags| !flags.contains("-target-error")) {
         check(&folder.path("s.txt"), flags);
     }
@@ -113,4 +113,62 @@ fn a_hundred_thousand_bounces_need_no_stack() {
     assert_eq!(plain.counts.mirror, 200_000);
     assert_eq!(plain.counts, wide.counts);
     assert!(bits(&plain.film) == bits(&wide.film));
+}
+
+/// Returns the colours of a scene in every way of rendering it; they are the same to the bit.
+fn colors(scene: &str, flags: &str) -> (Vec<u8>, Vec<f32>) {
+    let folder = Folder::new();
+    folder.write("s.txt", scene);
+    check(&folder.path("s.txt"), flags);
+    let film = a2::render_scene(&options(&folder.path("s.txt"), flags)).unwrap().frame.film;
+    (film.color.unwrap(), film.linear.unwrap())
+}
+
+/// Between two mirrors that brighten, the throughput outgrows every number. Without lights, ambient light is 1, and a path of n
+/// mirrors shows a (1 + s + ... + s^n), with a the diffuse and s the specular colour.
+#[test]
+fn a_mirror_path_that_overflows_is_huge_and_no_nan() {
+    let scene = |specular: &str| {
+        format!(
+            "PerspectiveCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 angle 10 }}
+            Background {{ color 0 0 0 }}
+            Materials {{ numMaterials 1 Material {{ diffuseColor 0.25 0.25 0 specularColor {specular} }} }}
+            Group {{ numObjects 2 MaterialIndex 0 Plane {{ normal 0 0 1 offset -5 }}
+                Plane {{ normal 0 0 -1 offset -5 }} }}"
+        )
+    };
+    let huge = f32::INFINITY;
+    for (specular, bounces, bytes, numbers) in [
+        ("1.5 0.5 1.5", 1800, [255, 127, 0], [huge, 0.5, 0.0]),
+        ("-1.5 0 1.5", 1800, [255, 63, 0], [huge, 0.25, 0.0]),
+        ("-1.5 -1.5 1.5", 1801, [0, 0, 0], [-huge, -huge, 0.0]),
+        ("1e300 1.5 1e300", 1800, [255, 255, 0], [huge, huge, 0.0]),
+    ] {
+        let (color, linear) = colors(&scene(specular), &format!("-bounces {bounces}"));
+        assert!(color.as_chunks().0.iter().all(|&pixel| pixel == bytes), "{specular}: {:?}", &color[..3]);
+        assert!(linear.as_chunks().0.iter().all(|&pixel| pixel == numbers), "{specular}: {:?}", &linear[..3]);
+        assert_eq!(color.len(), 3 * 33 * 21);
+    }
+}
+
+/// A light above a sphere that does not fade: white where it shines, ambient light on the dark side.
+#[test]
+fn a_light_without_falloff_leaves_the_dark_side_to_ambient_light() {
+    for (material, highlight) in [("", 0.0), ("specularColor 0.3 0.3 0.3 shininess 5", 0.3)] {
+        let scene = format!(
+            "PerspectiveCamera {{ center 0 0 10 direction 0 0 -1 up 0 1 0 angle 8 }}
+            Lights {{ numLights 1 PointLight {{ position 0 5 0 color 0.5 0.5 0.5 falloff 0 }} }}
+            Background {{ color 0 0 1 ambientLight 0.25 0.125 0.5 }}
+            Materials {{ numMaterials 1 Material {{ diffuseColor 0.5 0.5 0.5 {material} }} }}
+            Group {{ numObjects 1 MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+        );
+        for flags in ["", "-robust", "-shadows"] {
+            let (_, linear) = colors(&scene, flags);
+            let pixels: &[[f32; 3]] = linear.as_chunks().0;
+            let count = |color: [f32; 3]| pixels.iter().filter(|&&pixel| pixel == color).count();
+            let (lit, dark) = (count([f32::INFINITY; 3]), count([0.125, 0.0625, 0.25]));
+            assert!(lit > 200 && dark > 200, "{highlight} {flags}: {lit} lit, {dark} dark");
+            assert_eq!(lit + dark, pixels.len(), "{highlight} {flags}");
+        }
+    }
 }
