@@ -52,8 +52,7 @@ use render::Frame;
 use scene::{Compiled, Scene, compile};
 use scene_file::Description;
 use std::ffi::OsString;
-use std::time::Instant;
-use timing::{Stopwatch, Times, timed};
+use timing::{Deadline, Stopwatch, Times, timed};
 use write::say;
 
 /// The output and the exit code of a run.
@@ -162,7 +161,7 @@ fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
-    deadline: Option<Instant>,
+    deadline: Deadline,
     reference: Option<&Reference>,
 ) -> (Frame, Vec<Point>) {
     let progress = Bar::new(options.quiet);

@@ -1,4 +1,4 @@
-//! [`Stopwatch`] measures [`Times`]: wall time and processor time.
+//! [`Stopwatch`] measures [`Times`]: wall time and processor time. A [`Deadline`] says when to stop.
 
 use std::ops::{Add, AddAssign};
 use std::time::{Duration, Instant};
@@ -31,6 +31,32 @@ impl Times {
     #[must_use]
     pub fn without(self, part: Self) -> Self {
         Self { wall: self.wall.saturating_sub(part.wall), cpu: self.cpu.saturating_sub(part.cpu) }
+    }
+}
+
+/// When to stop tracing rays, if ever.
+#[derive(Clone, Copy, Debug)]
+pub struct Deadline {
+    at: Option<Instant>,
+}
+
+impl Deadline {
+    pub const NEVER: Self = Self { at: None };
+
+    /// Makes the deadline so many seconds from now. One beyond the range of the clock is never over.
+    pub fn in_seconds(seconds: f64) -> Self {
+        let duration = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
+        Self { at: duration.and_then(|duration| Instant::now().checked_add(duration)) }
+    }
+
+    /// Returns whether there is a deadline at all.
+    pub fn is_set(self) -> bool {
+        self.at.is_some()
+    }
+
+    /// Returns whether it is time to stop. Does not look at the clock if there is no deadline.
+    pub fn is_over(self) -> bool {
+        self.at.is_some_and(|at| Instant::now() >= at)
     }
 }
 
@@ -87,6 +113,15 @@ mod tests {
         let times = watch.times();
         assert!(times.wall >= Duration::from_millis(20), "{times:?}");
         assert!(cfg!(not(unix)) || times.cpu > Duration::ZERO, "{times:?}");
+    }
+
+    #[test]
+    fn a_deadline_is_over_when_its_time_has_come() {
+        assert!(Deadline::in_seconds(0.0).is_over() && Deadline::in_seconds(-1.0).is_over());
+        let late = Deadline::in_seconds(1e6);
+        assert!(late.is_set() && !late.is_over());
+        let beyond_the_clock = Deadline::in_seconds(1e300);
+        assert!(!beyond_the_clock.is_set() && !beyond_the_clock.is_over() && !Deadline::NEVER.is_over());
     }
 
     #[test]

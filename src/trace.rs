@@ -21,6 +21,7 @@ use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::ray_offset::{BesideSurface, RayOffset};
 use crate::scene::Scene;
+use crate::timing::Deadline;
 use vecmath::{Real, Vector3};
 
 /// What a camera ray saw.
@@ -34,31 +35,45 @@ pub struct Seen {
     pub normal: Vector3,
 }
 
+/// A path looks at the clock once in so many mirrors.
+const MIRRORS_BETWEEN_LOOKS: u32 = 64;
+
 /// Returns what a camera ray sees, and counts the rays that this takes.
 ///
 /// The course's `traceRay` calls itself for the mirror ray and multiplies on the way back. Here the product is carried
 /// along instead: the *throughput* is the share of further light that reaches the eye. So the stack stays small
 /// whatever `-bounces` is.
-pub fn trace_ray(scene: &Scene, plan: &Plan, camera_ray: Ray, counts: &mut RayCounts) -> Seen {
+///
+/// Returns `None` if the deadline comes before the end of the path.
+pub fn trace_ray(
+    scene: &Scene,
+    plan: &Plan,
+    camera_ray: Ray,
+    deadline: Deadline,
+    counts: &mut RayCounts,
+) -> Option<Seen> {
     counts.camera += 1;
     let mut ray = camera_ray;
     let mut hit = scene.geometry.closest_hit(&ray);
     let mut seen = first_seen(scene, plan, &ray, hit.as_ref());
     if !plan.color {
-        return seen;
+        return Some(seen);
     }
     let (mut throughput, mut bounces) = (Vector3::splat(1.0), plan.bounces);
     while let Some(found) = hit {
         let surface = Surface::at(scene, plan, &ray, &found);
         seen.color += throughput.scaled_by(surface.reflected_light(scene, plan, counts));
         if bounces == 0 || !surface.material.is_mirror() {
-            return seen;
+            return Some(seen);
         }
         // The mirror shows what lies in the mirrored direction, tinted by its specular colour.
         bounces -= 1;
         throughput = throughput.scaled_by(surface.material.specular);
         if !can_change(scene, plan, seen.color, throughput, bounces) {
-            return seen;
+            return Some(seen);
+        }
+        if bounces % MIRRORS_BETWEEN_LOOKS == 0 && deadline.is_over() {
+            return None;
         }
         (seen.color, throughput) = kept_finite(scene, seen.color, throughput);
         counts.mirror += 1;
@@ -66,7 +81,7 @@ pub fn trace_ray(scene: &Scene, plan: &Plan, camera_ray: Ray, counts: &mut RayCo
         hit = scene.geometry.closest_hit(&ray);
     }
     seen.color += throughput.scaled_by(scene.background.color(ray.direction));
-    seen
+    Some(seen)
 }
 
 /// Returns what the pictures of depths and normals show of a ray's hit.

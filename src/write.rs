@@ -4,10 +4,10 @@ use crate::error::Error;
 use crate::film::{self, Film};
 use crate::measure::{self, Report};
 use crate::options::Options;
+use crate::timing::Deadline;
 use rayon::prelude::*;
 use std::io::Write as _;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 /// Writes to standard error. Errors of writing are ignored, because a closed pipe is no reason to fail.
 pub fn say(text: &str) {
@@ -22,21 +22,19 @@ pub fn check_files(options: &Options) -> Result<(), Error> {
     options.files().try_for_each(film::check_writable)
 }
 
-/// Returns when to stop tracing rays, so that there is time left to write the pictures. `None` without a limit.
-pub fn deadline(options: &Options) -> Option<Instant> {
+/// Returns when to stop tracing rays, so that there is time left to write the pictures.
+pub fn deadline(options: &Options) -> Deadline {
     /// Of a slow disk, for a PNG that does not compress.
     const BYTES_A_SECOND: f64 = 60e6;
-    /// Seconds for what cannot be interrupted: rays that are being traced, starting and ending threads.
+    /// Seconds for what cannot be interrupted: a generation of mirror rays, starting and ending threads.
     const MARGIN: f64 = 0.01;
-    let limit = options.measure.time_limit?;
+    let Some(limit) = options.measure.time_limit else { return Deadline::NEVER };
     let bytes = options.pictures().count() as f64
         * 3.0
         * f64::from(options.width)
         * f64::from(options.height)
         * if options.color_is_numbers() { 4.0 } else { 1.0 };
-    let seconds = (limit - bytes / BYTES_A_SECOND - MARGIN).max(0.0);
-    // A limit beyond the range of the clock is no limit.
-    Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?)
+    Deadline::in_seconds(limit - bytes / BYTES_A_SECOND - MARGIN)
 }
 
 /// Writes the pictures.

@@ -3,6 +3,7 @@
 use super::reference::{RELATIVE_EPSILON, TrueError};
 use super::report::{Report, peak_memory};
 use crate::options::Options;
+use crate::render::PREVIEW_MIRRORS;
 use crate::render::error_estimate::{ErrorEstimate, Interval};
 use crate::scene::MeshFile;
 use crate::timing::Times;
@@ -101,9 +102,14 @@ impl Report {
             None if options.jitter => "estimated    no error: too few samples to tell\n".to_owned(),
             None => "estimated    no error: nothing is random (give -jitter or -samples)\n".to_owned(),
         };
-        if self.frame.samples.least == Some(0) {
-            text += "             some pixels were not reached in time: they show their surroundings and are not \
-                     part of the estimate\n";
+        let samples = &self.frame.samples;
+        if samples.unreached > 0 {
+            let percent = 100.0 * samples.unreached as f64 / samples.pixels as f64;
+            let _ = writeln!(
+                text,
+                "warning: {percent:.1}% of the pixels were not reached in time: they show a coarse preview of at most \
+                 {PREVIEW_MIRRORS} mirrors in a row, and are not part of the estimate"
+            );
         }
         text
     }

@@ -23,12 +23,13 @@ use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
+use crate::timing::Deadline;
 use crate::trace::Seen;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Number of the pilot's sample set. The sets of the picture's halves begin at 0 and never get this far.
 const PILOT_SET: u32 = 1 << 30;
@@ -40,7 +41,7 @@ pub fn render(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
-    deadline: Option<Instant>,
+    deadline: Deadline,
     progress: &dyn Progress,
 ) -> Frame {
     decode_faces_ahead(scene, plan, options);
@@ -55,7 +56,7 @@ pub fn render(
         progress,
         passes: 0,
     };
-    let preview = deadline.map(|_| Preview::render(scene, plan, options, &picture.maker, PREVIEW_SET));
+    let preview = deadline.is_set().then(|| Preview::render(scene, plan, options, &picture.maker, PREVIEW_SET));
     match options.measure.target_error {
         Some(levels) => picture.sample_to_error(levels),
         None => picture.sample_evenly(),
@@ -69,8 +70,8 @@ struct Picture<'a> {
     plan: &'a Plan,
     options: &'a Options,
     maker: RayMaker,
-    /// No work is begun after this time.
-    deadline: Option<Instant>,
+    /// No work is begun after this time, and what is under way is thrown away.
+    deadline: Deadline,
     tiles: Vec<Mutex<TileSamples>>,
     progress: &'a dyn Progress,
     passes: u32,
@@ -112,7 +113,7 @@ impl Picture<'_> {
     }
 
     fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        self.deadline.is_over()
     }
 
     /// Takes samples until every pixel has `goal` of them in each half. Returns false if there was no time for all.
@@ -120,7 +121,7 @@ impl Picture<'_> {
         let done = AtomicUsize::new(0);
         let pass = self.passes;
         self.passes += 1;
-        let tracer = || tracer(self.scene, self.plan);
+        let tracer = || tracer(self.scene, self.plan, self.deadline);
         self.tiles.par_iter().for_each_init(tracer, |tracer, tile| {
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
@@ -150,7 +151,10 @@ impl Picture<'_> {
                 self.add_places(wanted.pixel, pass, wanted.samples.clone(), &mut places);
                 taken += 1;
             }
-            tracer.trace(self.maker.grid, &places, &mut seen);
+            // Paths that were cut short have lost light.
+            if !tracer.trace(self.maker.grid, &places, &mut seen) {
+                break;
+            }
             let mut rest = seen.as_slice();
             for wanted in &waiting[..taken] {
                 let added = wanted.samples.len();
@@ -181,17 +185,16 @@ impl Picture<'_> {
     fn pilot(&mut self) -> Option<Vec<f32>> {
         let width = self.options.width as usize;
         let variances = Mutex::new(vec![0.0; width * self.options.height as usize]);
-        let tracer = || tracer(self.scene, self.plan);
+        let tracer = || tracer(self.scene, self.plan, self.deadline);
         self.tiles.par_iter().for_each_init(tracer, |tracer, tile| {
             let Ok(mut tile) = tile.lock() else { return };
             let pixels: Vec<_> = tile.tile.pixels().collect();
             let (mut places, mut seen) = (Vec::new(), Vec::new());
             for pixels in pixels.chunks(RAYS_AT_ONCE / PILOT_SAMPLES as usize) {
-                if self.is_late() {
+                self.set_pilot_places(pixels, &mut places);
+                if self.is_late() || !tracer.trace(self.maker.grid, &places, &mut seen) {
                     return;
                 }
-                self.set_pilot_places(pixels, &mut places);
-                tracer.trace(self.maker.grid, &places, &mut seen);
                 let Ok(mut variances) = variances.lock() else { return };
                 for (&(x, row), seen) in pixels.iter().zip(seen.chunks(PILOT_SAMPLES as usize)) {
                     variances[row as usize * width + x as usize] = displayed_variance(seen);

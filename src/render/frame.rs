@@ -26,6 +26,8 @@ pub struct SampleCounts {
     /// The smallest number of any pixel; `None` without pixels.
     pub least: Option<u32>,
     pub most: u32,
+    /// Pixels without samples.
+    pub unreached: u64,
     /// Passes of adaptive sampling; 0 if the number of samples was known before.
     pub passes: u32,
 }
@@ -33,7 +35,14 @@ pub struct SampleCounts {
 impl SampleCounts {
     /// Makes counts with the same number in every pixel.
     pub fn even(pixels: u64, samples: u32) -> Self {
-        Self { pixels, total: pixels * u64::from(samples), least: Some(samples), most: samples, passes: 0 }
+        Self {
+            pixels,
+            total: pixels * u64::from(samples),
+            least: Some(samples),
+            most: samples,
+            unreached: 0,
+            passes: 0,
+        }
     }
 
     pub fn add_pixel(&mut self, samples: u32) {
@@ -41,6 +50,7 @@ impl SampleCounts {
         self.total += u64::from(samples);
         self.least = Some(self.least.map_or(samples, |least| least.min(samples)));
         self.most = self.most.max(samples);
+        self.unreached += u64::from(samples == 0);
     }
 
     /// Returns the mean number of samples a pixel.

@@ -20,6 +20,7 @@ mod uniform;
 pub use adaptive::render as render_adaptive;
 pub use frame::{Frame, SampleCounts};
 pub use pixel::Pixel;
+pub use preview::MIRRORS as PREVIEW_MIRRORS;
 pub use samples::{SamplePattern, SampleSet};
 pub use tiles::Progress;
 pub use uniform::render as render_uniform;

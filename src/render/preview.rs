@@ -8,7 +8,11 @@ use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
+use crate::timing::Deadline;
 use rayon::prelude::*;
+
+/// Largest number of mirrors that the preview follows: between two mirrors, paths of 100,000 would take seconds.
+pub const MIRRORS: u32 = 16;
 
 /// One traced pixel for each square of pixels.
 pub struct Preview {
@@ -21,6 +25,8 @@ pub struct Preview {
 impl Preview {
     /// Takes one sample of sample set number `set` in each square of pixels.
     pub fn render(scene: &Scene, plan: &Plan, options: &Options, maker: &RayMaker, set: u32) -> Self {
+        // There must be a preview even if the time is over.
+        let plan = Plan { bounces: plan.bounces.min(MIRRORS), ..plan.clone() };
         let step = step(options.width, options.height);
         let columns = options.width.div_ceil(step);
         let pattern = SamplePattern::new(SamplerKind::Independent, 1);
@@ -33,12 +39,13 @@ impl Preview {
                 places.push(maker.place_of_sample(pixel, &set, 0));
             }
             let mut seen = Vec::new();
-            tracer.trace(maker.grid, &places, &mut seen);
+            let is_whole = tracer.trace(maker.grid, &places, &mut seen);
+            debug_assert!(is_whole, "there is no deadline");
             let pixels: Vec<Pixel> = seen.iter().map(|seen| maker.displayed(seen).sanitized()).collect();
             (pixels, tracer.take_counts())
         };
         let rows = (0..options.height.div_ceil(step)).into_par_iter();
-        let rows: Vec<_> = rows.map_init(|| tracer(scene, plan), row).collect();
+        let rows: Vec<_> = rows.map_init(|| tracer(scene, &plan, Deadline::NEVER), row).collect();
         let mut counts = RayCounts::default();
         rows.iter().for_each(|row| counts += row.1);
         Self { step, rows: rows.into_iter().map(|row| row.0).collect(), counts }

@@ -13,6 +13,7 @@ use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use crate::simd::packet::PACKET;
+use crate::timing::Deadline;
 use crate::trace::Seen;
 use crate::wide::PACKETS_AT_ONCE;
 use rayon::prelude::*;
@@ -104,7 +105,7 @@ impl<'a> TileRenderer<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options) -> Self {
         let sizes = SetSizes::new(options);
         Self {
-            tracer: tracer(scene, plan),
+            tracer: tracer(scene, plan, Deadline::NEVER),
             maker: RayMaker::new(options, &sizes),
             options,
             sizes,
@@ -146,7 +147,8 @@ impl<'a> TileRenderer<'a> {
                 self.maker.add_places((x, row), &mut self.places);
             }
         }
-        self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
+        let is_whole = self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
+        debug_assert!(is_whole, "there is no deadline");
         let start = self.options.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / pixels.len();
         let seen = std::mem::take(&mut self.seen);

@@ -19,6 +19,7 @@ use crate::ray_offset::BesideSurface;
 use crate::scene::Scene;
 use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in};
+use crate::timing::Deadline;
 use crate::trace::{Seen, can_change, kept_finite};
 use vecmath::Real;
 
@@ -32,6 +33,7 @@ pub struct PacketTracer<'a, S> {
     plan: &'a Plan,
     /// How far along themselves shadow and mirror rays start, if that is how they do.
     epsilon: Real,
+    deadline: Deadline,
     pub counts: RayCounts,
     /// A packet of camera rays; none while it is in use.
     camera_rays: Option<Box<(RayPacket, PathPacket)>>,
@@ -73,7 +75,7 @@ impl PacketScratch {
 }
 
 impl<'a, S: Simd> PacketTracer<'a, S> {
-    pub fn new(simd: S, scene: &'a Scene, plan: &'a Plan) -> Self {
+    pub fn new(simd: S, scene: &'a Scene, plan: &'a Plan, deadline: Deadline) -> Self {
         let epsilon = match plan.epsilon {
             Epsilon::Along(epsilon) => epsilon as Real,
             Epsilon::Auto => 0.0,
@@ -83,6 +85,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             scene,
             plan,
             epsilon,
+            deadline,
             counts: RayCounts::default(),
             camera_rays: None,
             scratch: Box::new(PacketScratch::EMPTY),
@@ -92,7 +95,9 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
     }
 
     /// Replaces `seen` by what the camera sees through each place. Places that lie side by side are traced fastest.
-    pub fn trace(&mut self, grid: PixelGrid, places: &[Place], seen: &mut Vec<Seen>) {
+    /// Returns false if the deadline came before the end of a path.
+    pub fn trace(&mut self, grid: PixelGrid, places: &[Place], seen: &mut Vec<Seen>) -> bool {
+        let mut is_whole = true;
         self.counts.camera += places.len() as u64;
         seen.clear();
         let mut packet = self.camera_rays.take().unwrap_or_else(|| Box::new((RayPacket::NONE, PathPacket::NONE)));
@@ -106,19 +111,27 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
                 paths.start(first as u32);
                 self.follow(rays, active, hit, paths, self.plan.bounces, seen);
                 if index % PACKETS_AT_ONCE == PACKETS_AT_ONCE - 1 {
-                    self.follow_mirror_rays(seen);
+                    is_whole &= self.follow_mirror_rays(seen);
                 }
             }
         }
-        self.follow_mirror_rays(seen);
+        is_whole &= self.follow_mirror_rays(seen);
         self.camera_rays = Some(packet);
+        is_whole
     }
 
-    /// Follows the paths of the queue to their ends, one generation of mirror rays after the other.
-    fn follow_mirror_rays(&mut self, seen: &mut [Seen]) {
+    /// Follows the paths of the queue to their ends, one generation of mirror rays after the other. Returns false if the
+    /// deadline came first; then the queue is emptied.
+    fn follow_mirror_rays(&mut self, seen: &mut [Seen]) -> bool {
+        let mut is_whole = true;
         let mut bounces = self.plan.bounces;
         let mut current = std::mem::take(&mut self.spare);
         while !self.mirror_rays.is_empty() {
+            if self.deadline.is_over() {
+                self.mirror_rays.clear();
+                is_whole = false;
+                break;
+            }
             bounces -= 1;
             self.counts.mirror += self.mirror_rays.len() as u64;
             std::mem::swap(&mut current, &mut self.mirror_rays);
@@ -129,6 +142,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
             }
         }
         self.spare = current;
+        is_whole
     }
 
     /// Finds what the active rays hit, and normals and materials there. Returns the lanes that hit anything.

@@ -8,6 +8,7 @@ use a2::ray_counts::RayCounts;
 use a2::scene::{Compiled, Scene, compile};
 use a2::scene_file;
 use a2::simd::InstructionSet;
+use a2::timing::Deadline;
 use a2::trace::{Seen, trace_ray};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -167,7 +168,7 @@ impl Studio {
     }
 
     pub fn seen(&self, ray: &Ray) -> Seen {
-        trace_ray(&self.scene, &self.plan, *ray, &mut RayCounts::default())
+        trace_ray(&self.scene, &self.plan, *ray, Deadline::NEVER, &mut RayCounts::default()).unwrap()
     }
 
     pub fn color(&self, ray: &Ray) -> [f64; 3] {

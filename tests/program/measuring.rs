@@ -4,6 +4,7 @@
 use crate::support::{Folder, Run, SCENE, TRIANGLE, project};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Returns the arguments of a scene of the project with a mirror, shadows and a cube map.
 fn mirror_bunny() -> String {
@@ -239,6 +240,36 @@ fn a_time_limit_is_used_and_kept() {
     assert!((1.0..20000.0).contains(&samples), "{samples}");
     assert!(report["estimated_error"]["levels"]["rmse"].as_f64() > Some(0.0));
     assert_eq!(folder.picture("o.png").dimensions(), (60, 60));
+}
+
+/// Between two mirrors a tile of paths of 100,000 bounces takes longer than the limit, the picture many seconds.
+#[test]
+fn a_time_limit_interrupts_long_mirror_paths() {
+    let folder = Folder::new();
+    // Ambient light is 1 without lights. A path of n mirrors has a colour of (n + 1) / 1,000,000.
+    folder.write(
+        "s.txt",
+        "PerspectiveCamera { center 0 0 0 direction 0 0 -1 up 0 1 0 angle 10 }
+        Materials { numMaterials 1 Material { diffuseColor 1e-6 1e-6 1e-6 specularColor 1 1 1 } }
+        Group { numObjects 2 MaterialIndex 0 Plane { normal 0 0 1 offset -5 } Plane { normal 0 0 -1 offset -5 } }",
+    );
+    for flags in ["-bounces 100000", "-bounces 20000", "-bounces 100000 -plain"] {
+        let line = format!("-input s.txt -size 100 100 {flags} -time-limit 0.3 -output o.png -report report.json");
+        let start = Instant::now();
+        let run = succeeds(&folder, &line);
+        let seconds = start.elapsed().as_secs_f64();
+        // Five times the limit, for machines under load.
+        assert!(seconds < 1.5, "{flags}: {seconds} s");
+        assert!(run.stderr.contains("% of the pixels were not reached in time"), "{}", run.stderr);
+        // A path that was cut short would lie between a preview of 16 mirrors and a whole path.
+        let whole = if flags.contains("20000") { 5 } else { 25 };
+        let picture = folder.picture("o.png");
+        let count = |byte: u8| picture.pixels().filter(|pixel| pixel.0 == [byte; 3]).count();
+        assert_eq!(count(0) + count(whole), 100 * 100, "{flags}");
+        assert!(count(0) > 0, "{flags}: everything was reached");
+        let report: Value = serde_json::from_slice(&std::fs::read(folder.path("report.json")).unwrap()).unwrap();
+        assert_eq!(report["samples"]["per_pixel_least"], 0, "{flags}");
+    }
 }
 
 #[test]
