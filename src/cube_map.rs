@@ -1,7 +1,7 @@
 //! [`CubeMap`]: six pictures around the scene.
 
 use crate::error::Error;
-use image::{ImageDecoder, ImageReader};
+use crate::picture_file::PictureFile;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -41,19 +41,13 @@ impl CubeMap {
     /// Opens the six pictures of a folder. Reads only their sizes.
     ///
     /// # Errors
-    /// [`Error::File`] for a face that is missing or is not a picture.
-    pub fn open(folder: &Path) -> Result<Self, Error> {
-        let open = |name: &str| {
-            let path = folder.join(format!("{name}.png"));
-            let refused = |error: image::ImageError| Error::file(&path, unreadable(&error));
-            let file =
-                ImageReader::open(&path).map_err(|error| Error::io(&path, "read this cube map face", &error))?;
-            let decoder = file.into_decoder().map_err(refused)?;
-            let (width, height) = decoder.dimensions();
-            Ok(Face { width: width as usize, height: height as usize, texels: OnceLock::new(), path })
-        };
-        let [right, left, up, down, front, back] = FACE_NAMES;
-        Ok(Self { faces: [open(right)?, open(left)?, open(up)?, open(down)?, open(front)?, open(back)?] })
+    /// The message for a folder that is missing, or for a face that is missing or is not a picture.
+    pub fn open(folder: &Path) -> Result<Self, String> {
+        if !folder.is_dir() {
+            return Err(format!("the cube map folder '{}' does not exist", folder.display()));
+        }
+        let [right, left, up, down, front, back] = FACE_NAMES.map(|name| Face::open(folder, name));
+        Ok(Self { faces: [right?, left?, up?, down?, front?, back?] })
     }
 
     /// Returns the colour in a direction (of any length but zero), bilinearly interpolated.
@@ -161,6 +155,21 @@ impl Texels {
 }
 
 impl Face {
+    /// Opens the picture of one side in a folder. Reads only its size.
+    fn open(folder: &Path, name: &str) -> Result<Self, String> {
+        let path = folder.join(format!("{name}.png"));
+        let other = ["jpg", "jpeg", "bmp"].map(|extension| path.with_extension(extension));
+        match PictureFile::open(&path) {
+            Ok(PictureFile { width, height, .. }) => {
+                Ok(Self { width: width as usize, height: height as usize, texels: OnceLock::new(), path })
+            }
+            Err(message) => Err(match other.iter().find(|other| !path.exists() && other.exists()) {
+                Some(other) => format!("cube map face '{}': a face must be a PNG picture", other.display()),
+                None => format!("cube map face '{}': {message}", path.display()),
+            }),
+        }
+    }
+
     /// Returns the four texels around (u, v), both from 0 to 1, v from the bottom. Black if the picture cannot be
     /// decoded.
     #[inline]
@@ -183,16 +192,12 @@ impl Face {
     }
 
     fn decode(&self) -> Result<Vec<u8>, String> {
-        let picture = image::open(&self.path).map_err(|error| unreadable(&error))?;
-        if (picture.width() as usize, picture.height() as usize) != (self.width, self.height) {
+        let picture = PictureFile::open(&self.path)?;
+        if (picture.width as usize, picture.height as usize) != (self.width, self.height) {
             return Err("the file changed while it was used".to_owned());
         }
-        Ok(picture.into_rgb8().into_raw())
+        Ok(picture.decode()?.into_rgb8().into_raw())
     }
-}
-
-fn unreadable(error: &image::ImageError) -> String {
-    format!("cannot read this picture: {error}")
 }
 
 #[cfg(test)]

@@ -29,6 +29,7 @@ pub mod material;
 pub mod measure;
 pub mod objects;
 pub mod options;
+pub mod picture_file;
 pub mod plan;
 mod progress;
 pub mod ray_counts;

@@ -7,7 +7,8 @@
 use super::encode::write_whole;
 use crate::error::Error;
 use crate::options::has_extension;
-use image::{DynamicImage, ImageFormat, Rgb32FImage};
+use crate::picture_file::{PictureFile, read_bytes};
+use image::{ImageBuffer, ImageFormat, Rgb};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -38,10 +39,13 @@ pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> R
                 }
             }
         } else {
-            let picture = Rgb32FImage::from_raw(width, height, numbers.to_vec()).unwrap_or_default();
-            DynamicImage::from(picture)
-                .write_to(&mut writer, ImageFormat::OpenExr)
-                .map_err(std::io::Error::other)?;
+            let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
+            let picture = picture.ok_or_else(|| std::io::Error::other("there are too few numbers"))?;
+            // The library calls this an error of decoding; its source says what happened.
+            picture.write_to(&mut writer, ImageFormat::OpenExr).map_err(|error| {
+                let source = std::error::Error::source(&error).map(ToString::to_string);
+                std::io::Error::other(source.unwrap_or_else(|| error.to_string()))
+            })?;
         }
         writer.flush()
     })
@@ -52,14 +56,15 @@ pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> R
 /// # Errors
 /// [`Error::File`] when it cannot be read or holds no colours.
 pub fn read_numbers(path: &Path) -> Result<NumberPicture, Error> {
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, "read the picture", &error))?;
-    if is_pfm(path) {
-        return parse_pfm(&bytes).map_err(|message| Error::file(path, message));
-    }
-    let picture = image::load_from_memory_with_format(&bytes, ImageFormat::OpenExr);
-    let picture = picture.map_err(|error| Error::file(path, format!("cannot read this picture: {error}")))?;
-    let picture = picture.into_rgb32f();
-    Ok(NumberPicture { width: picture.width(), height: picture.height(), numbers: picture.into_raw() })
+    let picture = if is_pfm(path) {
+        read_bytes(path).and_then(|bytes| parse_pfm(&bytes).map_err(str::to_owned))
+    } else {
+        PictureFile::open(path).and_then(PictureFile::decode).map(|picture| {
+            let picture = picture.into_rgb32f();
+            NumberPicture { width: picture.width(), height: picture.height(), numbers: picture.into_raw() }
+        })
+    };
+    picture.map_err(|message| Error::file(path, message))
 }
 
 fn parse_pfm(bytes: &[u8]) -> Result<NumberPicture, &'static str> {

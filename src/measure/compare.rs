@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::film::write_png;
 use crate::options::CompareOptions;
+use crate::picture_file::PictureFile;
 use image::RgbImage;
 use std::fmt;
 use std::path::Path;
@@ -68,10 +69,8 @@ impl fmt::Display for Comparison {
 /// # Errors
 /// [`Error::File`] when it cannot be read.
 pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
-    let reader = image::ImageReader::open(path).map_err(|error| Error::io(path, "read the picture", &error))?;
-    let picture =
-        reader.decode().map_err(|error| Error::file(path, format!("cannot read this picture: {error}")))?;
-    Ok(picture.into_rgb8())
+    let picture = PictureFile::open(path).and_then(PictureFile::decode);
+    Ok(picture.map_err(|message| Error::file(path, message))?.into_rgb8())
 }
 
 /// Compares two picture files, and writes a picture of their differences with `-diff`.

@@ -37,7 +37,7 @@ pub struct Compiled {
 /// Loads and flattens the parts of a scene that `plan` needs.
 ///
 /// # Errors
-/// [`Error::Source`] for a mistake in the scene or in a mesh, [`Error::File`] for a picture that cannot be read.
+/// [`Error::Source`] for a mistake in the scene or in a mesh, or for a cube map that cannot be opened.
 pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error> {
     let source = &description.source;
     let folder = source.path.parent().unwrap_or(Path::new(""));
@@ -45,7 +45,10 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
     let camera = camera(description)?;
     let (lights, ambient_light) = lights(description, plan, &mut warnings);
     let cube_map = match &description.background.cube_map {
-        Some(path) if plan.cube_map => Some(CubeMap::open(&folder.join(&path.value))?),
+        Some(path) if plan.cube_map => {
+            let cube_map = CubeMap::open(&folder.join(&path.value));
+            Some(cube_map.map_err(|message| source.error(path.span, message))?)
+        }
         _ => None,
     };
     let mut flattened = Flattened {

@@ -101,14 +101,18 @@ fn a_failed_run_keeps_the_existing_picture() {
 fn a_full_disk_is_an_error_and_leaves_no_file() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE.replace(TRIANGLE, "Sphere { center 0 0 0 radius 9 }"));
-    let command = format!(
-        "trap '' XFSZ; ulimit -f 1; exec '{}' -input s.txt -output o.png -size 900 900",
-        env!("CARGO_BIN_EXE_a2")
-    );
-    let run = folder.run(Command::new("bash").args(["-c", &command]));
-    assert_eq!(run.exit_code, 1, "{}", run.stderr);
-    assert!(run.stderr.contains("o.png: cannot write the picture"), "{}", run.stderr);
-    assert_eq!(folder.files(), ["s.txt"]);
+    let names = if cfg!(feature = "exr") { ["o.png", "o.pfm", "o.exr"].as_slice() } else { &["o.png", "o.pfm"] };
+    for name in names {
+        let command = format!(
+            "trap '' XFSZ; ulimit -f 1; exec '{}' -input s.txt -output {name} -size 900 900",
+            env!("CARGO_BIN_EXE_a2")
+        );
+        let run = folder.run(Command::new("bash").args(["-c", &command]));
+        assert_eq!(run.exit_code, 1, "{}", run.stderr);
+        let expected = format!("{name}: cannot write the picture: File too large");
+        assert!(run.stderr.contains(&expected), "{}", run.stderr);
+        assert_eq!(folder.files(), ["s.txt"]);
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod mutations;
 mod needs;
 mod numbers;
 mod parse_errors;
+mod picture_files;
 mod rust_source;
 mod snapshots;
 #[path = "../support/mod.rs"]

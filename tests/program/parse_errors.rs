@@ -155,7 +155,7 @@ fn mistakes_are_found_with_line_and_column() {
         ),
         (
             "Background { cubeMap nowhere } Group { numObjects 0 }",
-            "nowhere/right.png: cannot read this cube map face",
+            "s.txt:3:22: the cube map folder 'nowhere' does not exist",
         ),
     ] {
         let message = refusal(&with_material(rest));

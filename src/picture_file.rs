@@ -1,0 +1,119 @@
+//! [`PictureFile`]: a PNG or EXR file to read. What it claims is checked before memory is taken for it, so that a small
+//! file cannot take much.
+
+use crate::input::read_whole;
+use crate::options::{MAX_PIXELS, has_extension};
+use image::codecs::png::PngDecoder;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, Limits};
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, Result as IoResult};
+use std::path::Path;
+
+/// Largest number of bytes of a picture file: 16 for each pixel of the largest picture.
+const MAX_FILE_BYTES: u64 = 16 * MAX_PIXELS;
+/// Memory for pixels that a file of any size may take.
+const BASE_BYTES: u64 = 64 << 20;
+/// Further memory for each byte of the file. Deflate packs at most 1,032 bytes into one, and half of an EXR's numbers have
+/// 16 bits, which take 32 in memory, twice while they are decoded.
+const BYTES_PER_FILE_BYTE: u64 = 4096;
+/// Memory for what a PNG holds beside its pixels. A larger colour profile is skipped; none is ever used.
+const MAX_EXTRA_BYTES: u64 = 16 << 20;
+
+/// A picture file whose size is known and allowed, and whose pixels are not decoded yet.
+pub struct PictureFile {
+    decoder: Box<dyn ImageDecoder>,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl PictureFile {
+    /// Opens a picture: an EXR if its name ends in `.exr`, otherwise a PNG.
+    ///
+    /// # Errors
+    /// The message, without the file's name.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let (decoder, file_bytes) = match has_extension(path, "exr") {
+            #[cfg(feature = "exr")]
+            true => exr_decoder(read_bytes(path)?)?,
+            _ => png_decoder(path)?,
+        };
+        let (width, height) = decoder.dimensions();
+        check_size(width, height, bytes_a_pixel(decoder.color_type()), file_bytes)?;
+        Ok(Self { decoder, width, height })
+    }
+
+    /// Decodes the pixels.
+    ///
+    /// # Errors
+    /// The message, without the file's name.
+    pub fn decode(self) -> Result<DynamicImage, String> {
+        DynamicImage::from_decoder(self.decoder).map_err(|error| unreadable(&error))
+    }
+}
+
+/// Reads a whole picture file into memory.
+///
+/// # Errors
+/// The message, without the file's name.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    accessed(read_whole(path, MAX_FILE_BYTES))
+}
+
+/// Checks the size that a picture file claims, in pixels and in bytes of memory while it is decoded.
+fn check_size(width: u32, height: u32, bytes_a_pixel: u64, file_bytes: u64) -> Result<(), String> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(format!("this picture claims {width} x {height} pixels; the limit is {MAX_PIXELS} in all"));
+    }
+    let (claimed, allowed) =
+        (pixels * bytes_a_pixel, BASE_BYTES.saturating_add(file_bytes.saturating_mul(BYTES_PER_FILE_BYTE)));
+    if claimed > allowed {
+        return Err(format!(
+            "this picture claims {width} x {height} pixels, which take {claimed} bytes of memory; the limit for a file \
+             of {file_bytes} bytes is {allowed}"
+        ));
+    }
+    Ok(())
+}
+
+/// Returns the bytes that a pixel takes while it is decoded and then turned into three bytes or numbers.
+fn bytes_a_pixel(color_type: ColorType) -> u64 {
+    match color_type {
+        ColorType::Rgb8 => 3,
+        // EXR is decoded into a buffer of the library, and then copied.
+        ColorType::Rgb32F | ColorType::Rgba32F => 2 * u64::from(color_type.bytes_per_pixel()),
+        other => u64::from(other.bytes_per_pixel()) + 3,
+    }
+}
+
+/// Returns a decoder of a PNG file, and the file's size in bytes.
+fn png_decoder(path: &Path) -> Result<(Box<dyn ImageDecoder>, u64), String> {
+    let file = accessed(File::open(path))?;
+    let file_bytes = accessed(file.metadata())?.len();
+    let mut reader = BufReader::new(file);
+    if let Ok(format) = image::guess_format(accessed(reader.fill_buf())?)
+        && format != ImageFormat::Png
+    {
+        return Err(format!("this is a {} picture, not a PNG", format!("{format:?}").to_uppercase()));
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_EXTRA_BYTES);
+    let decoder = PngDecoder::with_limits(reader, limits).map_err(|error| unreadable(&error))?;
+    Ok((Box::new(decoder), file_bytes))
+}
+
+/// Returns a decoder of an EXR file, and the file's size in bytes.
+#[cfg(feature = "exr")]
+fn exr_decoder(bytes: Vec<u8>) -> Result<(Box<dyn ImageDecoder>, u64), String> {
+    let file_bytes = bytes.len() as u64;
+    let decoder = image::codecs::openexr::OpenExrDecoder::new(std::io::Cursor::new(bytes));
+    Ok((Box::new(decoder.map_err(|error| unreadable(&error))?), file_bytes))
+}
+
+fn accessed<T>(result: IoResult<T>) -> Result<T, String> {
+    result.map_err(|error| format!("cannot read the picture: {error}"))
+}
+
+fn unreadable(error: &image::ImageError) -> String {
+    format!("cannot read this picture: {error}")
+}
