@@ -24,11 +24,14 @@ pub mod cube_map;
 pub mod error;
 pub mod film;
 pub mod input;
+pub mod interrupt;
 pub mod light;
 pub mod material;
 pub mod measure;
+pub mod memory;
 pub mod objects;
 pub mod options;
+pub mod output;
 pub mod picture_file;
 pub mod plan;
 mod progress;
@@ -44,8 +47,10 @@ pub mod wide;
 mod write;
 
 use args::Request;
+use cube_map::CubeMap;
 use error::Error;
 use measure::{Phases, Point, Reference, Report};
+use memory::Budget;
 use options::{CompareOptions, Options};
 use plan::Plan;
 use progress::Bar;
@@ -97,9 +102,10 @@ fn compare(options: &CompareOptions) -> Result<Outcome, Error> {
 fn render_to_files(options: &Options) -> Result<(), Error> {
     let total = Stopwatch::start();
     write::check_files(options)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))?;
-    pool.install(|| {
+    if options.measure.is_adaptive() {
+        interrupt::let_rendering_end();
+    }
+    write::worker_threads(options)?.install(|| {
         let mut report = render_scene(options)?;
         if !options.quiet {
             report.warnings.iter().for_each(|warning| say(&format!("warning: {warning}\n")));
@@ -122,6 +128,8 @@ fn render_to_files(options: &Options) -> Result<(), Error> {
 /// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
     let deadline = write::deadline(options);
+    let mut budget = Budget::new(options.max_memory);
+    budget.add_pictures(render::bytes_needed(options))?;
     let reference = Reference::wanted_by(options)?;
     let (parsed, parse) = timed(|| parse(options));
     let (description, plan) = parsed?;
@@ -129,11 +137,13 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         say(&plan.explain(options));
     }
     let (compiled, loading) = timed(|| {
-        let compiled = compile(&description, &plan);
+        let compiled = compile(&description, &plan, &mut budget);
         drop(description);
         compiled
     });
     let Compiled { scene, mesh_files, warnings, build } = compiled?;
+    let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
+    output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
     let threads = rayon::current_num_threads();

@@ -42,6 +42,8 @@ pub struct Options {
     pub threads: Option<usize>,
     pub seed: u64,
     pub quiet: bool,
+    /// Bytes.
+    pub max_memory: Option<u64>,
     /// The instruction set that rays are computed with.
     pub simd: InstructionSet,
     /// Print the plan.
@@ -51,13 +53,13 @@ pub struct Options {
 
 impl Options {
     /// Returns the pictures to write.
-    pub fn pictures(&self) -> impl Iterator<Item = &Path> {
+    pub fn pictures(&self) -> impl Iterator<Item = &Path> + Clone {
         let depth = self.depth.as_ref().map(|depth| depth.path.as_path());
         [self.color.as_deref(), self.normals.as_deref(), depth].into_iter().flatten()
     }
 
     /// Returns all files to write.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
+    pub fn files(&self) -> impl Iterator<Item = &Path> + Clone {
         let MeasureOptions { error_map, report, convergence, .. } = &self.measure;
         self.pictures().chain([error_map, report, convergence].into_iter().flatten().map(PathBuf::as_path))
     }

@@ -1,6 +1,7 @@
 //! [`Stopwatch`] measures [`Times`]: wall time and processor time. A [`Deadline`] says when to stop.
 
 use std::ops::{Add, AddAssign};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Time on the clock, and processor time of all threads of this program together.
@@ -34,29 +35,41 @@ impl Times {
     }
 }
 
+/// Whether rendering was interrupted: then every deadline but [`Deadline::NEVER`] is over.
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Ends rendering with the best picture so far, where there is a deadline. Returns false if it was called before.
+pub fn interrupt_rendering() -> bool {
+    !IS_INTERRUPTED.swap(true, Ordering::Relaxed)
+}
+
 /// When to stop tracing rays, if ever.
 #[derive(Clone, Copy, Debug)]
 pub struct Deadline {
     at: Option<Instant>,
+    can_interrupt: bool,
 }
 
 impl Deadline {
-    pub const NEVER: Self = Self { at: None };
+    pub const NEVER: Self = Self { at: None, can_interrupt: false };
+    /// When the user interrupts rendering.
+    pub const ON_INTERRUPT: Self = Self { at: None, can_interrupt: true };
 
     /// Makes the deadline so many seconds from now. One beyond the range of the clock is never over.
     pub fn in_seconds(seconds: f64) -> Self {
         let duration = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
-        Self { at: duration.and_then(|duration| Instant::now().checked_add(duration)) }
+        Self { at: duration.and_then(|duration| Instant::now().checked_add(duration)), ..Self::ON_INTERRUPT }
     }
 
-    /// Returns whether there is a deadline at all.
+    /// Returns whether there is a time limit.
     pub fn is_set(self) -> bool {
         self.at.is_some()
     }
 
-    /// Returns whether it is time to stop. Does not look at the clock if there is no deadline.
+    /// Returns whether it is time to stop. Does not look at the clock if there is no time limit.
     pub fn is_over(self) -> bool {
-        self.at.is_some_and(|at| Instant::now() >= at)
+        (self.can_interrupt && IS_INTERRUPTED.load(Ordering::Relaxed))
+            || self.at.is_some_and(|at| Instant::now() >= at)
     }
 }
 

@@ -3,23 +3,50 @@
 use crate::error::Error;
 use crate::film::{self, Film};
 use crate::measure::{self, Report};
+use crate::memory;
 use crate::options::Options;
+use crate::output;
 use crate::timing::Deadline;
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::Write as _;
+use std::iter::successors;
 use std::path::Path;
+use std::thread::available_parallelism;
 
 /// Writes to standard error. Errors of writing are ignored, because a closed pipe is no reason to fail.
 pub fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
-/// Checks before a long computation that all files can be written.
+/// Checks before a long computation that all files can be written, and that none of them is read.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that cannot be written.
 pub fn check_files(options: &Options) -> Result<(), Error> {
-    options.files().try_for_each(film::check_writable)
+    output::check(options.files())?;
+    let inputs = [Some(options.input.as_path()), options.measure.reference.as_deref()];
+    output::check_inputs(options.files(), inputs.into_iter().flatten())
+}
+
+/// Starts the worker threads: where the system allows fewer than wanted, so many, with a warning.
+///
+/// # Errors
+/// [`Error::Refused`] if there can be none.
+pub fn worker_threads(options: &Options) -> Result<ThreadPool, Error> {
+    let threads = |count| ThreadPoolBuilder::new().num_threads(count);
+    let wanted = options.threads.unwrap_or_else(processors);
+    let most = memory::most_threads().map_or(wanted, |most| most.min(wanted));
+    let counts = successors(Some(most), |count| Some(count / 2)).take_while(|&count| count > 0);
+    let pool = counts.filter_map(|count| threads(count).build().ok()).next();
+    // The main thread needs no other.
+    let pool = pool.map_or_else(|| threads(1).use_current_thread().build(), Ok);
+    let pool = pool.map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))?;
+    let count = pool.current_num_threads();
+    if count < wanted && !options.quiet {
+        say(&format!("warning: the system allows {count} worker thread(s), not {wanted}\n"));
+    }
+    Ok(pool)
 }
 
 /// Returns when to stop tracing rays, so that there is time left to write the pictures.
@@ -28,7 +55,7 @@ pub fn deadline(options: &Options) -> Deadline {
     const BYTES_A_SECOND: f64 = 60e6;
     /// Seconds for what cannot be interrupted: a generation of mirror rays, starting and ending threads.
     const MARGIN: f64 = 0.01;
-    let Some(limit) = options.measure.time_limit else { return Deadline::NEVER };
+    let Some(limit) = options.measure.time_limit else { return Deadline::ON_INTERRUPT };
     let bytes = options.pictures().count() as f64
         * 3.0
         * f64::from(options.width)
@@ -86,6 +113,12 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
     Ok(())
 }
 
+/// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or as many as there are processors.
+fn processors() -> usize {
+    let named = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse().ok());
+    named.filter(|&count| count > 0).unwrap_or_else(|| available_parallelism().map_or(1, usize::from))
+}
+
 fn write_text(path: &Path, text: &str) -> Result<(), Error> {
-    film::write_whole(path, "the file", |file| file.write_all(text.as_bytes()))
+    output::write_whole(path, "the file", |writer| writer.write_all(text.as_bytes()))
 }

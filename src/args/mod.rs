@@ -85,6 +85,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         threads: typed.number("threads", 0, &threads, |n| (1..=MAX_THREADS).contains(n))?,
         seed: typed.number("seed", 0, "a whole number from 0 to 2^64 - 1", |_| true)?.unwrap_or(0),
         quiet: typed.has("quiet"),
+        max_memory: max_memory(typed)?,
         simd: instruction_set(typed)?,
         explain: typed.has("explain"),
         measure: measuring::options(typed)?,
@@ -105,6 +106,22 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         return Err(Error::Usage("two files have the same name".into()));
     }
     Ok(options)
+}
+
+/// Parses a number of bytes, as in `500M`.
+fn max_memory(typed: &Typed) -> Result<Option<u64>, Error> {
+    let Some(size) = typed.values("max-memory").first().map(|size| size.to_string_lossy()) else {
+        return Ok(None);
+    };
+    let (number, shift) = match size.char_indices().last() {
+        Some((at, 'K' | 'k')) => (&size[..at], 10),
+        Some((at, 'M' | 'm')) => (&size[..at], 20),
+        Some((at, 'G' | 'g')) => (&size[..at], 30),
+        _ => (&*size, 0),
+    };
+    let bytes = number.parse::<f64>().ok().filter(|n| n.is_finite() && *n > 0.0);
+    let message = || format!("expected bytes above 0, or a number with K, M or G, found '{size}'");
+    bytes.map(|n| Some((n * (1u64 << shift) as f64) as u64)).ok_or_else(|| usage_error("max-memory", message()))
 }
 
 fn instruction_set(typed: &Typed) -> Result<InstructionSet, Error> {

@@ -55,6 +55,7 @@ pub(super) const FLAGS: &[Flag] = &[
     ("convergence", &["FILE"], "Table (CSV) of error against samples 1, 2, 4 ... N; implies -jitter"),
     ("target-error", &["LEVELS"], "Sample where needed until the estimated RMSE is below; implies -jitter"),
     ("time-limit", &["SECONDS"], "Stop in time with the best picture so far; implies -jitter"),
+    ("max-memory", &["SIZE"], "Refuse what needs more memory: bytes, or a number with K, M or G (powers of 1024)"),
     ("explain", &[], "Say on standard error what this scene needs and what is left out"),
     ("quiet", &[], "No progress bar and no warnings"),
     ("compare", &["A", "B"], "Compare two pictures instead: exit code 0 if alike, 1 if not"),

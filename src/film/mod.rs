@@ -2,12 +2,11 @@
 //!
 //! Depths and normals must already be mapped to \[0, 1\]. Nothing here knows of rays or scenes.
 
-mod encode;
 mod numbers;
 mod png;
 
-pub use encode::{check_writable, write_png, write_whole};
 pub use numbers::{NumberPicture, read_numbers, write_numbers};
+pub use png::write_png;
 
 use crate::options::Options;
 use vecmath::{Real, Vector3};
@@ -32,6 +31,12 @@ impl Planes {
             linear: options.keeps_linear(),
             error_map: options.measure.error_map.is_some(),
         }
+    }
+
+    /// Returns the bytes of a film for each pixel.
+    pub fn bytes_per_pixel(&self) -> usize {
+        let planes = [(self.color, 3), (self.depth, 1), (self.normals, 3), (self.linear, 12), (self.error_map, 1)];
+        planes.into_iter().map(|(wanted, bytes)| if wanted { bytes } else { 0 }).sum()
     }
 }
 

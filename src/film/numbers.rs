@@ -4,12 +4,12 @@
 //! PFM (Debevec's portable float map): `PF`, width and height, `-1.0` for little-endian, then three `f32` a pixel, rows
 //! from the bottom.
 
-use super::encode::write_whole;
 use crate::error::Error;
 use crate::options::has_extension;
+use crate::output::{leads_to_stream, write_whole};
 use crate::picture_file::{PictureFile, read_bytes};
 use image::{ImageBuffer, ImageFormat, Rgb};
-use std::io::{BufWriter, Write};
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// Three numbers a pixel, rows from the top.
@@ -27,10 +27,9 @@ fn is_pfm(path: &Path) -> bool {
 /// Writes a picture as PFM if the name ends in `.pfm`, otherwise as EXR. `numbers` has three numbers a pixel.
 ///
 /// # Errors
-/// As [`write_png`](super::write_png).
+/// As [`write_whole`].
 pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> Result<(), Error> {
-    write_whole(path, "the picture", |file| {
-        let mut writer = BufWriter::with_capacity(1 << 16, file);
+    write_whole(path, "the picture", |writer| {
         if is_pfm(path) {
             write!(writer, "PF\n{width} {height}\n-1.0\n")?;
             for row in numbers.chunks_exact(3 * width as usize).rev() {
@@ -42,12 +41,20 @@ pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> R
             let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
             let picture = picture.ok_or_else(|| std::io::Error::other("there are too few numbers"))?;
             // The library calls this an error of decoding; its source says what happened.
-            picture.write_to(&mut writer, ImageFormat::OpenExr).map_err(|error| {
+            let described = |error: image::ImageError| {
                 let source = std::error::Error::source(&error).map(ToString::to_string);
                 std::io::Error::other(source.unwrap_or_else(|| error.to_string()))
-            })?;
+            };
+            if leads_to_stream(path) {
+                // The library goes back in the file, which a pipe cannot.
+                let mut bytes = Cursor::new(Vec::new());
+                picture.write_to(&mut bytes, ImageFormat::OpenExr).map_err(described)?;
+                writer.write_all(bytes.get_ref())?;
+            } else {
+                picture.write_to(writer, ImageFormat::OpenExr).map_err(described)?;
+            }
         }
-        writer.flush()
+        Ok(())
     })
 }
 

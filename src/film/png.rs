@@ -5,11 +5,14 @@
 //! checksum of all (RFC 1950). The strips depend only on the size of the picture, so the file is the same for any
 //! number of threads.
 
+use crate::error::Error;
+use crate::output::write_whole;
 use fdeflate::Compressor;
 use png::EncodingError;
 use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::Range;
+use std::path::Path;
 
 /// Approximate size of a strip in bytes of pixels: so large that the 75 bytes of overhead are nothing, and so small
 /// that even a small picture keeps several threads busy.
@@ -19,8 +22,16 @@ const STRIPS_AT_ONCE: usize = 32;
 /// Modulus of the two sums in Adler-32 (RFC 1950).
 const ADLER_MODULUS: u64 = 65_521;
 
-/// Writes 8 bit RGB. `bytes` has three bytes a pixel, or one for a grey picture, rows from the top.
-pub(super) fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
+/// Writes a picture as an 8 bit RGB PNG. `bytes` has three bytes a pixel, or one for a grey picture, rows from the
+/// top.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Error> {
+    write_whole(path, "the picture", |writer| write(writer, width, height, bytes))
+}
+
+fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::film::write_png;
 use crate::options::CompareOptions;
+use crate::output;
 use crate::picture_file::PictureFile;
 use image::RgbImage;
 use std::fmt;
@@ -78,6 +79,10 @@ pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
 /// # Errors
 /// [`Error::File`] when a picture cannot be read or the sizes differ.
 pub fn compare_files(options: &CompareOptions) -> Result<Comparison, Error> {
+    if let Some(path) = options.diff.as_deref() {
+        output::check([path].into_iter())?;
+        output::check_inputs([path].into_iter(), [options.a.as_path(), &options.b])?;
+    }
     let (a, b) = (read_rgb(&options.a)?, read_rgb(&options.b)?);
     if a.dimensions() != b.dimensions() {
         let size = |picture: &RgbImage| format!("{} x {}", picture.width(), picture.height());

@@ -56,11 +56,15 @@ pub fn render(
         progress,
         passes: 0,
     };
-    let preview = deadline.is_set().then(|| Preview::render(scene, plan, options, &picture.maker, PREVIEW_SET));
+    let maker = RayMaker::new(options, &SetSizes::One(1));
+    let render_preview = || Preview::render(scene, plan, options, &maker, PREVIEW_SET);
+    let preview = deadline.is_set().then(render_preview);
     match options.measure.target_error {
         Some(levels) => picture.sample_to_error(levels),
         None => picture.sample_evenly(),
     }
+    // Without a time limit it is only needed after an interrupt.
+    let preview = preview.or_else(|| deadline.is_over().then(render_preview));
     picture.finish(preview)
 }
 

@@ -3,6 +3,7 @@
 use super::error_estimate::ErrorSums;
 use super::pixel::Pixel;
 use super::tiles::Tile;
+use crate::film::Planes;
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::trace::Seen;
@@ -32,6 +33,13 @@ pub struct Wanted {
 }
 
 impl TileSamples {
+    /// Returns the bytes for each pixel, with the numbers that the allocation of samples keeps.
+    pub fn bytes_per_pixel(planes: Planes) -> usize {
+        let colors = if planes.color { size_of::<[Vector3; 2]>() } else { 0 };
+        let others = if planes.depth || planes.normals { size_of::<Pixel>() } else { 0 };
+        size_of::<u32>() + colors + others + 2 * size_of::<f32>()
+    }
+
     pub fn new(tile: Tile, plan: &Plan) -> Self {
         let pixels = (tile.width * tile.height) as usize;
         let with_others = plan.depth || plan.normals;

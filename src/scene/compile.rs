@@ -11,6 +11,7 @@ use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText, Span, cut_short};
 use crate::input::read_whole;
 use crate::light::Light;
+use crate::memory::Budget;
 use crate::objects::{Mesh, Object, Shape, Transform};
 use crate::plan::Plan;
 use crate::scene_file::{At, Description, Leaf, LeafShape, Node, TransformStep};
@@ -22,6 +23,8 @@ use vecmath::{Matrix4, Real, Vector3};
 
 /// Largest mesh file that is read. A triangle takes two bytes at least, so their numbers fit into 32 bits.
 const MAX_MESH_BYTES: u64 = 4 << 30;
+/// Bytes of memory for a byte of a mesh file, while the mesh is read and its tree is built.
+const MEMORY_FOR_A_BYTE: u64 = 12;
 
 /// A scene, and warnings about it.
 #[derive(Debug)]
@@ -38,7 +41,7 @@ pub struct Compiled {
 ///
 /// # Errors
 /// [`Error::Source`] for a mistake in the scene or in a mesh, or for a cube map that cannot be opened.
-pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error> {
+pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> Result<Compiled, Error> {
     let source = &description.source;
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let mut warnings = Vec::new();
@@ -59,6 +62,7 @@ pub fn compile(description: &Description, plan: &Plan) -> Result<Compiled, Error
         meshes: Vec::new(),
         files: HashMap::new(),
         mesh_files: Vec::new(),
+        budget,
         hints: Hints::default(),
         warnings,
     };
@@ -127,6 +131,7 @@ struct Flattened<'a> {
     /// Meshes by their file.
     files: HashMap<PathBuf, u32>,
     mesh_files: Vec<MeshFile>,
+    budget: &'a mut Budget,
     warnings: Vec<String>,
 }
 
@@ -216,6 +221,9 @@ impl Flattened<'_> {
 
     /// Reads a mesh file. `similar` is the name of another file that may be meant if there is none.
     fn load(&mut self, path: &Path, span: Span, similar: Option<&str>) -> Result<u32, Error> {
+        if let Ok(metadata) = path.metadata() {
+            self.budget.add_mesh(MEMORY_FOR_A_BYTE * metadata.len())?;
+        }
         let bytes = read_whole(path, MAX_MESH_BYTES).map_err(|error| {
             let name = path.display().to_string();
             let message = format!("cannot read the mesh '{}': {error}", cut_short(&name));

@@ -2,6 +2,7 @@
 
 use a2::args::{self, Request};
 use a2::film::Film;
+use a2::memory::Budget;
 use a2::objects::{Hit, PreparedRay, Ray, SurfaceHit, SurfacePoint, T_MAX, intersect_triangle};
 use a2::plan::Plan;
 use a2::ray_counts::RayCounts;
@@ -121,7 +122,8 @@ impl Studio {
         let source = a2::error::SourceText { path, text: text.to_owned() };
         let description = scene_file::parse(source).map_err(|error| error.to_string())?;
         let plan = Plan::new(&request, &description);
-        let Compiled { scene, warnings, .. } = compile(&description, &plan).map_err(|error| error.to_string())?;
+        let Compiled { scene, warnings, .. } =
+            compile(&description, &plan, &mut Budget::default()).map_err(|error| error.to_string())?;
         Ok(Self { scene, plan, warnings, request })
     }
 

@@ -2,12 +2,14 @@
 
 mod architecture;
 mod cli;
+mod faults;
 mod measuring;
 mod mesh_names;
 mod meshes;
 mod mutations;
 mod needs;
 mod numbers;
+mod outputs;
 mod parse_errors;
 mod picture_files;
 mod rust_source;

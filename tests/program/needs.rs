@@ -2,6 +2,7 @@
 
 use crate::support::{Folder, SCENE, options, project};
 use a2::measure::Report;
+use a2::memory::Budget;
 
 /// Renders in memory.
 fn rendered(input: &str, arguments: &str) -> Report {
@@ -85,7 +86,7 @@ fn a_broken_face_that_no_ray_reaches_is_no_error() {
 fn a_mesh_of_several_instances_is_stored_once() {
     let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap();
     let plan = a2::plan::Plan::new(&options("-input x.txt -output o.png"), &source);
-    let scene = a2::scene::compile(&source, &plan).unwrap().scene;
+    let scene = a2::scene::compile(&source, &plan, &mut Budget::default()).unwrap().scene;
     assert_eq!((scene.geometry.objects.len(), scene.geometry.meshes.len()), (4, 1));
 }
 

@@ -1,0 +1,57 @@
+//! Waits for signals in a thread of its own.
+
+use super::ENDS_RENDERING;
+use crate::output::remove_unfinished;
+use crate::timing::interrupt_rendering;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::{emulate_default_handler, signal_name};
+use std::io::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
+
+/// Has a thread wait for the signals that end a process. Where no thread can be started, they end it as they would
+/// anyway. A signal that is ignored from the start (by `nohup`, or in the background of a script) stays so.
+pub fn wait_in_a_thread() {
+    let wanted: Vec<_> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal)).collect();
+    // A file that grows too large is an error of writing, not the end. If this fails, it is the end, as without it.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    let (ready, is_ready) = channel();
+    let started = std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
+        let signals = Signals::new(wanted);
+        let _ = ready.send(());
+        if let Ok(mut signals) = signals {
+            signals.forever().for_each(handle);
+        }
+    });
+    if started.is_ok() {
+        let _ = is_ready.recv();
+    }
+}
+
+fn handle(signal: i32) {
+    if signal == SIGINT && ENDS_RENDERING.load(Ordering::Relaxed) && interrupt_rendering() {
+        say("interrupted: rendering ends with the best picture so far (again: at once, without a picture)\n");
+        return;
+    }
+    remove_unfinished(|| {
+        let name = signal_name(signal).unwrap_or("a signal");
+        say(&format!("interrupted by {name}: unfinished files are removed\n"));
+        // Ends the process with the exit status of the signal.
+        let _ = emulate_default_handler(signal);
+    });
+}
+
+fn say(text: &str) {
+    // SIGHUP says that the terminal is closed.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// Returns whether a signal was ignored when the process started. Only Linux says so.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}

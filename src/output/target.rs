@@ -1,0 +1,113 @@
+//! [`Target`]: where the name of a file leads.
+
+use super::temporary::Temporary;
+use crate::error::Error;
+use std::fs::{self, File, Permissions};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Where the name of a file leads.
+#[derive(Debug)]
+pub enum Target {
+    /// A regular file, or a name under which there is nothing yet. Links are resolved.
+    File {
+        path: PathBuf,
+        /// Those of the file that is replaced.
+        permissions: Option<Permissions>,
+    },
+    /// A device, a pipe, or a file that is open already (`/dev/stdout`). It is written into.
+    Stream(PathBuf),
+}
+
+impl Target {
+    /// Follows the links of a name.
+    ///
+    /// # Errors
+    /// [`Error::File`] for a folder, a name in a folder that does not exist, and what the system refuses.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let refused = |error: io::Error| Error::io(path, "write this file", &error);
+        match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => Err(Error::file(path, "this is a folder")),
+            Ok(metadata) if metadata.is_file() && !is_open_file(path) => {
+                let permissions = Some(metadata.permissions());
+                Ok(Self::File { path: path.canonicalize().map_err(refused)?, permissions })
+            }
+            Ok(_) => Ok(Self::Stream(path.to_owned())),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                Ok(Self::File { path: new_file(path)?, permissions: None })
+            }
+            Err(error) => Err(refused(error)),
+        }
+    }
+
+    /// Returns whether both lead to one file. Devices and pipes may be written into twice.
+    pub fn is_same_file(&self, other: &Self) -> bool {
+        matches!((self, other), (Self::File { path: a, .. }, Self::File { path: b, .. }) if a == b)
+    }
+
+    /// Checks that the file can be written, without changing it. `name` is how the user calls it.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot.
+    pub fn check(&self, name: &Path) -> Result<(), Error> {
+        let refused = |error: io::Error| Error::io(name, "write this file", &error);
+        let Self::File { path, permissions } = self else { return Ok(()) };
+        let temporary = Temporary::beside(path).map_err(refused)?;
+        let Some(permissions) = permissions else { return Ok(()) };
+        if permissions.readonly() {
+            return Err(Error::file(name, "this file is read-only"));
+        }
+        File::options().write(true).open(path).map_err(refused)?;
+        if is_anothers(path, &temporary).map_err(refused)? {
+            return Err(Error::file(
+                name,
+                "this file is another user's, and its folder lets only the owner replace it",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Returns whether a name stands for a file that this process has open. Replacing the file would not reach whoever opened
+/// it.
+fn is_open_file(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|open| path.starts_with(open))
+}
+
+/// Follows the links of a name under which there is nothing yet.
+fn new_file(path: &Path) -> Result<PathBuf, Error> {
+    let is_folder_name = path.as_os_str().as_encoded_bytes().ends_with(b"/");
+    let mut end = path.to_owned();
+    // A circle of links is an error of its own, and never comes here.
+    while let Ok(link) = fs::read_link(&end) {
+        end = folder_of(&end).join(link);
+    }
+    let folder = folder_of(&end);
+    let found = folder.canonicalize().ok().filter(|found| found.is_dir());
+    match (found, end.file_name()) {
+        (Some(found), Some(name)) if !is_folder_name => Ok(found.join(name)),
+        (Some(_), _) => Err(Error::file(path, "this is the name of a folder, not of a file")),
+        (None, _) => Err(Error::file(path, format!("the folder '{}' does not exist", folder.display()))),
+    }
+}
+
+/// Returns the folder of a file's path.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Returns whether a file belongs to another user, in a folder where only the owner may replace it (a sticky one, as
+/// `/tmp` is).
+#[cfg(unix)]
+fn is_anothers(path: &Path, temporary: &Temporary) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    const STICKY: u32 = 0o1000;
+    let user = temporary.file.metadata()?.uid();
+    let (file, folder) = (fs::metadata(path)?, fs::metadata(folder_of(path))?);
+    Ok(folder.mode() & STICKY != 0 && user != 0 && user != file.uid() && user != folder.uid())
+}
+
+#[cfg(not(unix))]
+fn is_anothers(_: &Path, _: &Temporary) -> io::Result<bool> {
+    Ok(false)
+}

@@ -1,0 +1,164 @@
+//! Tests of interruptions and of machines with little: signals, memory, threads.
+#![cfg(target_os = "linux")]
+
+use crate::support::{Folder, Run, SCENE, TRIANGLE};
+use rustix::process::{Pid, Signal, kill_process};
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A picture that takes a tenth of a second or so to render and to write.
+const ARGUMENTS: &str = "-input s.txt -output o.pfm -normals n.png -size 700 700 -threads 2";
+
+fn folder_with_scene() -> Folder {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE.replace(TRIANGLE, "Sphere { center 0 0 0 radius 1 }"));
+    folder
+}
+
+fn start(folder: &Folder, program: &str, arguments: &str) -> Child {
+    let mut command = Command::new(program);
+    command.args(arguments.split_whitespace()).current_dir(folder.path("."));
+    command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn send(child: &Child, signal: Signal) {
+    // It may have ended already.
+    let _ = kill_process(Pid::from_child(child), signal);
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn with_limit(folder: &Folder, limit: &str, arguments: &str) -> Run {
+    let line = format!("ulimit {limit}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
+    folder.run(Command::new("bash").args(["-c", &line]))
+}
+
+#[test]
+fn signals_at_any_time_leave_nothing_and_lose_nothing() {
+    let folder = folder_with_scene();
+    assert_eq!(folder.a2(ARGUMENTS).exit_code, 0);
+    let whole = [folder.path("o.pfm"), folder.path("n.png")].map(|path| std::fs::read(path).unwrap());
+    let mut interrupted = 0;
+    for round in 0..200 {
+        folder.write("o.pfm", "old").write("n.png", "old");
+        let signal = [Signal::INT, Signal::TERM, Signal::HUP][round % 3];
+        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), ARGUMENTS);
+        // From the first instruction to the end of most runs, in an order without pattern.
+        std::thread::sleep(Duration::from_micros((round as u64 * 7919 % 200) * 400));
+        let sent = Instant::now();
+        send(&child, signal);
+        let output = child.wait_with_output().unwrap();
+        if let Some(number) = output.status.signal() {
+            assert_eq!(number, signal.as_raw(), "{round}");
+            interrupted += 1;
+            // A tenth of a second, but the machine may be busy.
+            assert!(sent.elapsed() < Duration::from_secs(2), "{round}: {:?}", sent.elapsed());
+        } else {
+            assert_eq!(output.status.code(), Some(0), "{round}: {}", text(&output));
+        }
+        assert_eq!(folder.files(), ["n.png", "o.pfm", "s.txt"], "{round}");
+        for (name, whole) in ["o.pfm", "n.png"].iter().zip(&whole) {
+            let found = std::fs::read(folder.path(name)).unwrap();
+            assert!(found == b"old" || found == *whole, "{round}: {name} has {} bytes", found.len());
+        }
+    }
+    assert!(interrupted > 20, "only {interrupted} runs were interrupted");
+}
+
+#[test]
+fn a_signal_is_named_and_a_second_interrupt_ends_at_once() {
+    let folder = folder_with_scene();
+    let endless = "-input s.txt -output o.png -size 400 400 -target-error 0.000001";
+    for (arguments, signals, message) in [
+        (
+            "-input s.txt -output o.png -size 9000 9000 -filter -jitter",
+            &[Signal::TERM][..],
+            "interrupted by SIGTERM",
+        ),
+        (endless, &[Signal::INT, Signal::INT], "interrupted by SIGINT"),
+    ] {
+        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), arguments);
+        for &signal in signals {
+            std::thread::sleep(Duration::from_millis(300));
+            send(&child, signal);
+            if signals.len() > 1 {
+                // The second one must come before rendering has ended.
+                send(&child, signal);
+            }
+        }
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.signal().is_some() || output.status.code() == Some(0), "{}", text(&output));
+        if signals.len() == 1 {
+            assert_eq!(output.status.signal(), Some(signals[0].as_raw()));
+            assert!(text(&output).contains(message), "{}", text(&output));
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_measurement_ends_with_its_best_picture() {
+    let folder = folder_with_scene();
+    for flags in ["-target-error 0.000001", "-time-limit 1000 -samples 65536"] {
+        let arguments = format!("-input s.txt -output o.png -size 300 300 -stats {flags}");
+        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), &arguments);
+        std::thread::sleep(Duration::from_millis(700));
+        send(&child, Signal::INT);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+        assert!(text(&output).contains("best picture so far"), "{}", text(&output));
+        assert!(text(&output).contains("RMSE"), "{}", text(&output));
+        let picture = folder.picture("o.png");
+        assert!(picture.get_pixel(150, 150) != picture.get_pixel(0, 0));
+    }
+}
+
+#[test]
+fn ignored_signals_stay_ignored() {
+    let folder = folder_with_scene();
+    let line = format!("trap '' HUP; exec '{}' {ARGUMENTS}", env!("CARGO_BIN_EXE_a2"));
+    let child = Command::new("bash").args(["-c", &line]).current_dir(folder.path(".")).spawn().unwrap();
+    for _ in 0..20 {
+        std::thread::sleep(Duration::from_millis(2));
+        send(&child, Signal::HUP);
+    }
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+}
+
+#[test]
+fn what_does_not_fit_into_memory_is_refused() {
+    let folder = folder_with_scene();
+    folder.write("m.obj", "v 0 0 0\n".repeat(2_000_000));
+    folder.write("mesh.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
+    let large = "-input s.txt -output o.png -normals n.png -size 10000 10000";
+    for (limit, arguments, parts) in [
+        ("-v 500000", large, ["the pictures need about 572.2 MiB", "'ulimit -v'"]),
+        (
+            "-v unlimited",
+            &format!("{large} -max-memory 500M"),
+            ["572.2 MiB of memory, and 500.0 MiB", "-max-memory"],
+        ),
+        ("-v 250000", "-input mesh.txt -output o.png", ["the pictures and meshes need about", "'ulimit -v'"]),
+        ("-v unlimited", "-input mesh.txt -output o.png -max-memory 50M", ["50.0 MiB can be had", "-max-memory"]),
+    ] {
+        let run = with_limit(&folder, limit, arguments);
+        assert_eq!(run.exit_code, 1, "{arguments}: {}", run.stderr);
+        assert!(parts.iter().all(|part| run.stderr.contains(part)), "{arguments}: {}", run.stderr);
+    }
+    assert_eq!(folder.files(), ["m.obj", "mesh.txt", "s.txt"]);
+}
+
+#[test]
+fn with_few_threads_the_picture_is_the_same() {
+    let folder = folder_with_scene();
+    assert_eq!(folder.a2("-input s.txt -output a.png").exit_code, 0);
+    // Stacks of a gibibyte, of which the second limit leaves room for a few.
+    for limit in ["-v 600000", "-v 5000000; export RUST_MIN_STACK=1073741824"] {
+        let run = with_limit(&folder, limit, "-input s.txt -output b.png -threads 1000");
+        assert_eq!(run.exit_code, 0, "{limit}: {}", run.stderr);
+        assert!(run.stderr.contains("worker thread(s), not 1000"), "{limit}: {}", run.stderr);
+        assert!(folder.picture("a.png") == folder.picture("b.png"), "{limit}");
+    }
+}
