@@ -79,6 +79,10 @@ fn every_way_to_write_a_mesh_shows_the_same() {
         KITE.replace("f 1 2 3 4", "f 1/1 2/2 3/3 4/4"),
         KITE.replace("f 1 2 3 4", "f 1// 2//x 3/-9/1.5 4/1/1/1"),
         format!("f 1 2 3 4\n{}", KITE.replace("f 1 2 3 4", "")),
+        KITE.replace("3 4", "3/\\\n 4"),
+        KITE.replace("3 4", "3/\u{a0}4"),
+        KITE.replace("4\n", "4/1# 1 2\n"),
+        KITE.replace("4\n", "4\r1 2\n"),
         // Lines that no picture shows.
         KITE.replace("f ", "vt 0.5\nvt\nvt 1.#INF 3.1+e2\nf "),
         KITE.replace("f ", "vn -nan(ind) -nan(ind) -nan(ind)\nvn 1\nf "),

@@ -117,7 +117,9 @@ impl Piece {
     fn read(text: &[u8]) -> Option<Self> {
         let mut piece = Self::default();
         for line in text.split(|&byte| byte == b'\n') {
-            let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+            // A CR within the line ends a line. It becomes part of a word here, and no such word is read.
+            let line = line.strip_suffix(b"\r").unwrap_or(line);
+            let mut words = line.split(|byte| matches!(byte, b' ' | b'\t')).filter(|word| !word.is_empty());
             let is_whole = match words.next() {
                 None => true,
                 Some(b"v") => {
@@ -163,14 +165,17 @@ impl Piece {
 
 /// Whether the part of a line that is not looked at may hold other lines, or go on in the next one.
 fn hides_more(line: &[u8]) -> bool {
-    let line = line.strip_suffix(b"\r").unwrap_or(line);
     line.contains(&b'\r')
         || (line.trim_ascii_end().ends_with(b"\\") && matches!(line.trim_ascii_start()[0], b'v' | b'f'))
 }
 
-/// Parses a corner, and returns the index of its position, from 0.
+/// Parses a corner, and returns the index of its position, from 0. Behind the first `/`, where anything may stand, a
+/// comment may begin, the line may end with a `\`, and there may be white space that is not looked for here.
 fn corner(word: &[u8]) -> Option<u32> {
-    plain_vertex_number(vertex_part(word)).map(|number| number - 1)
+    let part = vertex_part(word);
+    let is_plain = |byte: &u8| byte.is_ascii_graphic() && !matches!(byte, b'#' | b'\\');
+    let number = plain_vertex_number(part)?;
+    word[part.len()..].iter().all(is_plain).then_some(number - 1)
 }
 
 /// Parses the next three words as coordinates.
@@ -227,6 +232,14 @@ mod tests {
             "\u{b}v 1 2 3",
             "fa 1 2 3",
             "f 1 2 \u{663}",
+            "f 1 2 3/\u{b}4",
+            "f 1 2 3/1\u{a0}4/1",
+            "f 1 2 3/1#4 2",
+            "f 1 2 3/\\\n4",
+            "f 1 2 3\r1",
+            "f 1/1 2/2 3/\r1 2",
+            "v 1\r2 3",
+            "v 1\u{c}2 3",
         ] {
             assert!(read(format!("{THREE}f 1 2 3\n{rest}\n").as_bytes()).is_none(), "{rest}");
         }
