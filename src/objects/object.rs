@@ -14,7 +14,7 @@ pub struct Object {
     pub transform: Option<Box<Transform>>,
     /// Index into the scene's materials.
     pub material: u32,
-    /// The box around the object in world space; `None` for a plane, which is infinite.
+    /// The box around the object in world space, always finite; `None` for a plane, and where it would overflow.
     pub bounds: Option<Aabb>,
     /// Error bound of taking a ray to object space: rounding may move the ray sideways by this share of its origin's
     /// largest coordinate. So a ray that passes [`bounds`](Self::bounds) within this distance counts as entering
@@ -37,6 +37,8 @@ impl Object {
             let world = transform.as_ref().map_or(*bounds, |transform| transform.bounds_to_world(bounds));
             world.grown(world.max_abs() * BOUNDS_MARGIN)
         });
+        // Bounds that overflow would not be the same box to every test of them.
+        let bounds = bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let sideways_error = match (&shape, &transform) {
             (Shape::Sphere(_), _) | (_, None) => 0.0,
             (_, Some(transform)) => SIDEWAYS_ROUNDINGS * UNIT_ROUNDOFF * transform.condition,

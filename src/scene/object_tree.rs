@@ -27,21 +27,20 @@ impl ObjectTree {
         let all = || 0..objects.len() as u32;
         let sideways_error = |index: u32| objects[index as usize].sideways_error;
         let bounds = |index: u32| {
-            let is_finite = |bounds: &Aabb| bounds.min.is_finite() && bounds.max.is_finite();
             let bounds =
                 objects[index as usize].bounds.filter(|_| sideways_error(index) <= LARGEST_SIDEWAYS_ERROR);
-            bounds.map(|bounds| (index, bounds, is_finite(&bounds)))
+            bounds.map(|bounds| (index, bounds))
         };
-        let bounded: Vec<(u32, Aabb, bool)> = all().filter_map(bounds).collect();
+        let bounded: Vec<(u32, Aabb)> = all().filter_map(bounds).collect();
         let none = || Self { always: all().collect(), bvh: None };
-        if bounded.len() <= LOOP_OBJECTS || !bounded.iter().all(|bounded| bounded.2) {
+        if bounded.len() <= LOOP_OBJECTS {
             return none();
         }
         let around = bounded.iter().fold(Aabb::EMPTY, |all, bounded| all.union(&bounded.1));
         let largest_error = bounded.iter().map(|bounded| sideways_error(bounded.0)).fold(0.0, Real::max);
         let Some(space) = CullingSpace::new(around) else { return none() };
         let space = space.with_sideways_error(largest_error);
-        let item = |(index, bounds, _): &(u32, Aabb, bool)| Item::new(*index, &space.planes(bounds));
+        let item = |(index, bounds): &(u32, Aabb)| Item::new(*index, &space.planes(bounds));
         let items = bounded.par_iter().map(item).collect();
         drop(bounded);
         let bvh = Some(build::build::<1, _>(space, items, |index| index[0]));

@@ -94,6 +94,23 @@ fn plain_and_wide_pictures_of_many_objects_are_the_same_to_the_bit() {
     }
 }
 
+/// The box around the first sphere is not finite. Found by fuzzing.
+#[test]
+fn plain_and_wide_pictures_of_an_object_without_finite_bounds_are_the_same_to_the_bit() {
+    let folder = Folder::new();
+    folder.write(
+        "s.txt",
+        "PerspectiveCamera { center 5 3 90 direction 0 0 1 up 0 1 0 angle 26 }
+        Lights { numLights 1 DirectionalLight { direction -1 -1 0 color 0.6 0.5 0.4 } }
+        Materials { numMaterials 1 Material { diffuseColor 0.4 0.2 0.2 specularColor 0.7 1 0.6 shininess 2 } }
+        Group { numObjects 2 MaterialIndex 0
+            Transform { Scale 15 17 1.4e308 Sphere { center 0 -6 0 radius 4.8 } } Sphere { center 5 3 120 radius 2 } }",
+    );
+    for flags in ["", "-bounces 3 -shadows", "-robust -bounces 2"] {
+        check(&folder.path("s.txt"), flags);
+    }
+}
+
 /// Between two mirrors that face each other no path ends: the stack must not grow with `-bounces`.
 #[test]
 fn a_hundred_thousand_bounces_need_no_stack() {
