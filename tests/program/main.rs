@@ -3,6 +3,7 @@
 mod architecture;
 mod cli;
 mod faults;
+mod fuzz_seeds;
 mod measuring;
 mod mesh_names;
 mod meshes;

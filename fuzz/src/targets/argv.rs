@@ -1,0 +1,48 @@
+//! Command lines.
+
+use a2::args::{Request, parse};
+use a2::error::Error;
+use a2::options::{MAX_BOUNCES, MAX_PIXELS, MAX_SAMPLES, MAX_SIDE, Options};
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Parses a command line, a word in each line.
+pub fn words(data: &[u8], _: &Path) -> bool {
+    let words: Vec<OsString> = data.split(|&byte| byte == b'\n').map(os_string).collect();
+    match parse(words.clone()) {
+        Ok(Request::Render(options)) => must_be_within_limits(&options),
+        Ok(Request::Compare(options)) => assert!((0.0..=100.0).contains(&options.percent)),
+        Ok(Request::Print(text) | Request::PrintUsage(text)) => assert!(text.ends_with('\n')),
+        Err(Error::Usage(message)) => {
+            assert!(!message.is_empty(), "{message}");
+            return false;
+        }
+        Err(error) => panic!("not about the command line: {error}"),
+    }
+    // The last one of a repeated flag counts, so a line repeated means the same; behind `--` there are no flags.
+    if words.iter().all(|word| word != "--") {
+        let (once, twice) = (parse(words.clone()), parse([words.clone(), words].concat()));
+        assert_eq!(format!("{once:?}"), format!("{twice:?}"));
+    }
+    true
+}
+
+fn must_be_within_limits(options: &Options) {
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    assert!((1..=MAX_PIXELS).contains(&pixels) && options.width.max(options.height) <= MAX_SIDE);
+    assert!(options.bounces <= MAX_BOUNCES && (1..=MAX_SAMPLES).contains(&options.samples()));
+    assert!(options.pictures().next().is_some());
+    let files: Vec<_> = options.files().collect();
+    assert_eq!(files.iter().collect::<BTreeSet<_>>().len(), files.len(), "{files:?}");
+}
+
+#[cfg(unix)]
+fn os_string(bytes: &[u8]) -> OsString {
+    std::os::unix::ffi::OsStringExt::from_vec(bytes.to_vec())
+}
+
+#[cfg(not(unix))]
+fn os_string(bytes: &[u8]) -> OsString {
+    String::from_utf8_lossy(bytes).into_owned().into()
+}
