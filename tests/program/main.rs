@@ -4,6 +4,7 @@ mod architecture;
 mod cli;
 mod faults;
 mod fuzz_seeds;
+mod libraries;
 mod measuring;
 mod mesh_names;
 mod meshes;
