@@ -14,7 +14,9 @@ use std::sync::mpsc::channel;
 /// Has a thread wait for the signals that end a process. Where no thread can be started, they end it as they would
 /// anyway. A signal that is ignored from the start (by `nohup`, or in the background of a script) stays so.
 pub fn wait_in_a_thread() {
-    let wanted: Vec<_> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal)).collect();
+    let ignored = ignored();
+    let is_wanted = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
+    let wanted: Vec<_> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_wanted).collect();
     // A file that grows too large is an error of writing, not the end. If this fails, it is the end, as without it.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let (ready, is_ready) = channel();
@@ -48,10 +50,9 @@ fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
-/// Returns whether a signal was ignored when the process started. Only Linux says so.
-fn is_ignored(signal: i32) -> bool {
+/// Returns the mask of the signals that were ignored when the process started. Only Linux says so.
+fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
-    mask >> (signal - 1) & 1 == 1
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
