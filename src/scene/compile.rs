@@ -2,8 +2,8 @@
 //!
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
+use super::file_path::{self, FilePath};
 use super::hints::Hints;
-use super::mesh_path::{self, MeshPath};
 use super::obj::{self, MeshFile};
 use super::{Background, Geometry, Scene};
 use crate::camera::{Camera, CameraError};
@@ -48,10 +48,7 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
     let camera = camera(description)?;
     let (lights, ambient_light) = lights(description, plan, &mut warnings);
     let cube_map = match &description.background.cube_map {
-        Some(path) if plan.cube_map => {
-            let cube_map = CubeMap::open(&folder.join(&path.value));
-            Some(cube_map.map_err(|message| source.error(path.span, message))?)
-        }
+        Some(name) if plan.cube_map => Some(cube_map(source, folder, name, &mut warnings)?),
         _ => None,
     };
     let mut flattened = Flattened {
@@ -81,6 +78,34 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         geometry,
     };
     Ok(Compiled { scene, mesh_files, warnings, build })
+}
+
+fn cube_map(
+    source: &Arc<SourceText>,
+    folder: &Path,
+    name: &At<String>,
+    warnings: &mut Vec<String>,
+) -> Result<CubeMap, Error> {
+    let (path, hint) = match file_path::find(folder, &name.value) {
+        FilePath::AsWritten => (folder.join(&name.value), None),
+        FilePath::Similar(similar) => (folder.join(&name.value), Some(format!("did you mean '{similar}'?"))),
+        FilePath::Respelt(spelling) => {
+            warnings.push(respelt(source, name, &spelling));
+            (folder.join(spelling), None)
+        }
+    };
+    CubeMap::open(&path).map_err(|message| {
+        let error = source.error(name.span, message);
+        match hint {
+            Some(hint) => error.with_note(hint),
+            None => error,
+        }
+    })
+}
+
+/// Returns the warning for a file or folder that is found under another spelling.
+fn respelt(source: &SourceText, name: &At<String>, spelling: &str) -> String {
+    format!("{}: there is no '{}': '{spelling}' is read", source.location(name.span), name.value)
 }
 
 fn camera(description: &Description) -> Result<Camera, Error> {
@@ -202,12 +227,11 @@ impl Flattened<'_> {
         if let Some(&known) = self.files.get(&path) {
             return Ok(known);
         }
-        let index = match mesh_path::find(self.folder, &obj_file.value) {
-            MeshPath::AsWritten => self.load(&path, obj_file.span, None)?,
-            MeshPath::Similar(name) => self.load(&path, obj_file.span, Some(&name))?,
-            MeshPath::Respelt(name) => {
-                let place = self.source.location(obj_file.span);
-                self.warnings.push(format!("{place}: there is no '{}': '{name}' is read", obj_file.value));
+        let index = match file_path::find(self.folder, &obj_file.value) {
+            FilePath::AsWritten => self.load(&path, obj_file.span, None)?,
+            FilePath::Similar(name) => self.load(&path, obj_file.span, Some(&name))?,
+            FilePath::Respelt(name) => {
+                self.warnings.push(respelt(self.source, obj_file, &name));
                 let path = self.folder.join(&name);
                 match self.files.get(&path) {
                     Some(&known) => known,

@@ -4,9 +4,9 @@
 //! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
 mod compile;
+mod file_path;
 mod geometry;
 mod hints;
-mod mesh_path;
 mod obj;
 mod object_tree;
 mod queries;

@@ -161,3 +161,22 @@ fn a_pipe_is_read_as_a_picture() {
     writer.join().unwrap();
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
 }
+
+#[test]
+fn a_folder_whose_name_is_nearly_right_is_found_or_suggested() {
+    let folder = Folder::new();
+    for face in FACES {
+        folder.write(&format!("Sky/Day/{face}.png"), png());
+    }
+    for name in ["sky/day", "Sky\\Day"] {
+        folder.write("s.txt", SCENE.replace("map", name));
+        let run = folder.a2("-input s.txt -output o.png -size 9 9");
+        assert_eq!(run.exit_code, 0, "{name}: {}", run.stderr);
+        let expected = format!("s.txt:2:22: there is no '{name}': 'Sky/Day' is read");
+        // Where capitals do not count, the file system finds it.
+        assert!(run.stderr.contains(&expected) || !cfg!(target_os = "linux"), "{}", run.stderr);
+    }
+    folder.write("s.txt", SCENE.replace("map", "Sky/Dax"));
+    let run = fails(&folder, "-input s.txt -output o.png");
+    assert!(run.stderr.contains("did you mean 'Sky/Day'?"), "{}", run.stderr);
+}

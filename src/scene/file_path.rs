@@ -1,4 +1,4 @@
-//! The path of a mesh file from its name in a scene, also where that was written on a system that takes `A` for `a` and `\` for
+//! The path of a file or folder from its name in a scene, also where that was written on a system that takes `A` for `a` and `\` for
 //! `/`.
 
 use crate::error::probably_meant;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// What there is for a name.
 #[derive(Debug, PartialEq)]
-pub(super) enum MeshPath {
+pub(super) enum FilePath {
     /// The file itself, or nothing that is like it: whoever reads it will see.
     AsWritten,
     /// A file whose name differs in upper and lower case or in slashes only, as it would be written.
@@ -16,14 +16,14 @@ pub(super) enum MeshPath {
 }
 
 /// Looks for the file `name` in `folder`.
-pub(super) fn find(folder: &Path, name: &str) -> MeshPath {
+pub(super) fn find(folder: &Path, name: &str) -> FilePath {
     match std::fs::metadata(folder.join(name)) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => respelt(folder, name),
-        _ => MeshPath::AsWritten,
+        _ => FilePath::AsWritten,
     }
 }
 
-fn respelt(folder: &Path, name: &str) -> MeshPath {
+fn respelt(folder: &Path, name: &str) -> FilePath {
     let name = name.replace('\\', "/");
     let mut found = PathBuf::from(if name.starts_with('/') { "/" } else { "" });
     let mut parts = name.split('/').filter(|part| !part.is_empty());
@@ -39,13 +39,13 @@ fn respelt(folder: &Path, name: &str) -> MeshPath {
             continue;
         }
         let Some(similar) = probably_meant(part, names.iter().map(String::as_str)) else {
-            return MeshPath::AsWritten;
+            return FilePath::AsWritten;
         };
         found.push(similar);
         found.extend(parts);
-        return MeshPath::Similar(written(&found));
+        return FilePath::Similar(written(&found));
     }
-    MeshPath::Respelt(written(&found))
+    FilePath::Respelt(written(&found))
 }
 
 fn written(path: &Path) -> String {
@@ -73,18 +73,18 @@ mod tests {
         for name in ["Models/Bunny.obj", "Models/bunny.OBJ", "été.obj"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
-        let respelt = |name: &str| MeshPath::Respelt(name.to_owned());
-        let similar = |name: &str| MeshPath::Similar(name.to_owned());
+        let respelt = |name: &str| FilePath::Respelt(name.to_owned());
+        let similar = |name: &str| FilePath::Similar(name.to_owned());
         for (name, expected) in [
-            ("Models/bunny.OBJ", MeshPath::AsWritten),
+            ("Models/bunny.OBJ", FilePath::AsWritten),
             ("models/BUNNY.OBJ", respelt("Models/Bunny.obj")),
             ("models\\Bunny.obj", respelt("Models/Bunny.obj")),
             ("./models//bunny.obj", respelt("./Models/Bunny.obj")),
             ("ÉTÉ.obj", respelt("été.obj")),
             ("Models/buny.obj", similar("Models/Bunny.obj")),
             ("Model/Bunny.obj", similar("Models/Bunny.obj")),
-            ("dragon.obj", MeshPath::AsWritten),
-            ("x/y/z", MeshPath::AsWritten),
+            ("dragon.obj", FilePath::AsWritten),
+            ("x/y/z", FilePath::AsWritten),
         ] {
             assert_eq!(find(folder.path(), name), expected, "{name}");
         }
