@@ -5,7 +5,7 @@
 
 use super::obj::others;
 use crate::error::{SourceText, Span};
-use crate::objects::{Aabb, Object, Shape};
+use crate::objects::{Aabb, Object, Shape, T_MAX};
 use crate::options::Epsilon;
 use crate::plan::Plan;
 use vecmath::{Matrix4, Real, Vector3};
@@ -17,6 +17,7 @@ pub(super) struct Hints {
     thin_walls: Found,
     nearly_singular: Found,
     without_area: Found,
+    too_far: Found,
 }
 
 #[derive(Default)]
@@ -70,6 +71,10 @@ impl Hints {
                 });
             }
         }
+        let reach = bounds.map_or(0.0, |bounds| bounds.size().max_abs());
+        if reach > T_MAX {
+            self.too_far.add(place, || format!("this object reaches beyond {:.1e}", T_MAX as f64));
+        }
         let thickness = bounds.map_or(Real::INFINITY, |bounds| thickness(shape, bounds, matrix));
         if thickness < THIN {
             self.thin_walls.add(place, || {
@@ -84,6 +89,12 @@ impl Hints {
         warnings.extend(self.nearly_singular.sentence(source, ""));
         if !plan.robust && (plan.color || plan.normals) {
             warnings.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
+        }
+        warnings.extend(self.too_far.sentence(source, ": no hit is farther along a ray than that"));
+        if plan.epsilon == Epsilon::Along(0.0) && (plan.shadows || plan.bounces > 0) {
+            warnings.push(
+                "with -epsilon 0 rays hit the surface that they leave: -epsilon auto does without".to_owned(),
+            );
         }
         if plan.epsilon != Epsilon::default() || !(plan.shadows || plan.bounces > 0) {
             return;
