@@ -75,6 +75,10 @@ pub(super) fn with_two_dashes(typed: OsString) -> OsString {
         return typed;
     };
     match text.strip_prefix('-') {
+        // clap does not take all of these for numbers: -.5, -1e-3.
+        Some(number) if number.starts_with(|c: char| c == '.' || c.is_ascii_digit()) => {
+            number.parse::<f64>().map_or(typed, |number| format!("-{number}").into())
+        }
         Some(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) => format!("--{name}").into(),
         _ => typed,
     }
