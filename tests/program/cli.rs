@@ -183,3 +183,52 @@ fn explain_says_what_is_left_out() {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
 }
+
+#[test]
+fn pictures_of_numbers_are_compared_as_numbers_and_alpha_is_named() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    assert_eq!(folder.a2("-input s.txt -output a.pfm").exit_code, 0);
+    assert_eq!(folder.a2("-input s.txt -output a.png").exit_code, 0);
+    let mut bytes = std::fs::read(folder.path("a.pfm")).unwrap();
+    let last = bytes.len() - 4;
+    bytes[last..].copy_from_slice(&3.0f32.to_le_bytes());
+    folder.write("b.pfm", &bytes);
+    let alike = folder.a2("-compare a.pfm a.pfm -tolerance 0 0");
+    assert_eq!((alike.exit_code, alike.stdout.contains("RMSE           0.0000")), (0, true), "{}", alike.stdout);
+    // Truncation to bytes takes away less than a level.
+    assert_eq!(folder.a2("-compare a.pfm a.png").exit_code, 0);
+    let unlike = folder.a2("-compare a.pfm b.pfm -tolerance 8 0 -diff d.png");
+    assert_eq!(unlike.exit_code, 1, "{}", unlike.stdout);
+    assert!(unlike.stdout.contains("over 8 levels  1 pixels"), "{}", unlike.stdout);
+    assert_eq!(folder.picture("d.png").pixels().filter(|pixel| pixel.0 != [0; 3]).count(), 1);
+
+    let faint = image::RgbaImage::from_pixel(4, 4, image::Rgba([9, 9, 9, 128]));
+    faint.save(folder.path("faint.png")).unwrap();
+    image::RgbImage::from_pixel(4, 4, image::Rgb([9; 3])).save(folder.path("solid.png")).unwrap();
+    let run = folder.a2("-compare faint.png solid.png");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("alpha          differs in 16 pixels, and is not compared"), "{}", run.stdout);
+}
+
+#[test]
+fn negative_numbers_are_no_flags() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    for number in ["-5", "-.5", "-1e-3", "-1E+3", "-0.5e2", "-1e300"] {
+        let run = folder.a2(&format!("-input s.txt -depth {number} 15 d.png"));
+        assert_eq!(run.exit_code, 0, "{number}: {}", run.stderr);
+    }
+    assert!(folder.a2("-input s.txt -size -1e-3 5 -output o.png").stderr.contains("-size: expected"));
+}
+
+#[test]
+fn what_gives_strange_pictures_is_warned_about() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE).write("far.txt", SCENE.replace(TRIANGLE, "Sphere { center 0 0 0 radius 1e39 }"));
+    let run = folder.a2("-input far.txt -output o.png -robust");
+    assert!(run.stderr.contains("this object reaches beyond 3.4e38"), "{}", run.stderr);
+    let run = folder.a2("-input s.txt -output o.png -shadows -epsilon 0");
+    assert!(run.stderr.contains("with -epsilon 0 rays hit the surface that they leave"), "{}", run.stderr);
+    assert_eq!(folder.a2("-input s.txt -output o.png -epsilon 0").stderr, "");
+}
