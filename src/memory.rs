@@ -4,6 +4,8 @@
 //! estimated before it is made, and refused if it does not fit.
 
 use crate::error::Error;
+#[cfg(target_os = "linux")]
+use std::path::{Path, PathBuf};
 
 /// So many bytes are taken without asking whether they can be had.
 const SMALL: u64 = 64 << 20;
@@ -104,22 +106,26 @@ fn address_space() -> Option<Limit> {
 /// Returns the smallest limit of the control groups that the process is in. Cached files do not count: they make room.
 #[cfg(target_os = "linux")]
 fn cgroup() -> Option<Limit> {
-    use std::path::Path;
-    let number = |path: &Path| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    // Version 1 has a tree for each resource, version 2 one for all.
+    const VERSION_1: (&str, &str, [&str; 3]) =
+        (":memory:/", "/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_cache "]);
+    const VERSION_2: (&str, &str, [&str; 3]) =
+        ("0::/", "/sys/fs/cgroup", ["memory.max", "memory.current", "file "]);
+    let number = |path: PathBuf| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
-    let own = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
-    let left = Path::new("/sys/fs/cgroup")
-        .join(own)
-        .ancestors()
-        .take_while(|path| path.starts_with("/sys/fs/cgroup"))
-        .filter_map(|group| {
-            let (max, used) = (number(&group.join("memory.max"))?, number(&group.join("memory.current"))?);
+    let room = |(mark, root, [limit, usage, cached]): (&str, &str, [&str; 3])| {
+        let (_, own) = groups.lines().find_map(|line| line.split_once(mark))?;
+        let group = Path::new(root).join(own);
+        let room_of = |group: &Path| {
+            let (limit, used) = (number(group.join(limit))?, number(group.join(usage))?);
             let statistics = std::fs::read_to_string(group.join("memory.stat")).unwrap_or_default();
-            let cached = statistics.lines().find_map(|line| line.strip_prefix("file ")?.parse().ok()).unwrap_or(0);
-            Some(max.saturating_sub(used.saturating_sub(cached)))
-        })
-        .min()?;
-    Some(Limit { bytes: left, from: "the limit of the control group" })
+            let files = statistics.lines().find_map(|line| line.strip_prefix(cached)?.parse().ok()).unwrap_or(0);
+            Some(limit.saturating_sub(used.saturating_sub(files)))
+        };
+        group.ancestors().take_while(|group| group.starts_with(root)).filter_map(room_of).min()
+    };
+    let bytes = [VERSION_1, VERSION_2].into_iter().filter_map(room).min()?;
+    Some(Limit { bytes, from: "the limit of the control group" })
 }
 
 #[cfg(target_os = "linux")]
