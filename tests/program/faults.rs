@@ -130,7 +130,7 @@ fn ignored_signals_stay_ignored() {
 #[test]
 fn what_does_not_fit_into_memory_is_refused() {
     let folder = folder_with_scene();
-    folder.write("m.obj", "v 0 0 0\n".repeat(2_000_000));
+    folder.write("m.obj", "v 0 0 0\n".repeat(9_000_000));
     folder.write("mesh.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
     let large = "-input s.txt -output o.png -normals n.png -size 10000 10000";
     for (limit, arguments, parts) in [

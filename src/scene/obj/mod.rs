@@ -110,19 +110,24 @@ impl Faces {
 /// # Errors
 /// [`Error::Source`] for a mistake, at its place; [`Error::File`] for a file that is no OBJ file.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
-    let plain = bytes.strip_prefix(decode::UTF8_MARK).unwrap_or(bytes);
-    match plain::read(plain) {
-        Some(faces) => Ok(finish(faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes))),
-        None => parse_any_mesh(path, bytes),
-    }
+    parse_plain_mesh(path, bytes).map_or_else(|| parse_any_mesh(path, bytes), Ok)
+}
+
+/// Reads the OBJ file at `path` by all threads, if it is plain.
+pub(super) fn parse_plain_mesh(path: &Path, bytes: &[u8]) -> Option<ObjFile> {
+    let faces = plain::read(bytes.strip_prefix(decode::UTF8_MARK).unwrap_or(bytes))?;
+    Some(finish(faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes)))
 }
 
 fn source_text(path: &Path, bytes: &[u8]) -> Arc<SourceText> {
     Arc::new(SourceText { path: path.to_owned(), text: decode::decode(bytes) })
 }
 
-/// Reads an OBJ file that need not be plain.
-fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
+/// Reads an OBJ file that need not be plain, in more time and memory.
+///
+/// # Errors
+/// As [`parse_mesh`].
+pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
     let source = source_text(path, bytes);
     if let Some(what) = foreign::kind_of(bytes, &source.text) {
         return Err(Error::file(path, format!("this is no OBJ mesh: the file is {what}")));
