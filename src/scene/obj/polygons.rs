@@ -40,7 +40,7 @@ const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 const OVERLAP: f64 = 1e-5;
 /// A polygon that is not convex and has more corners than this is doubtful: where one crosses itself, cutting it takes time that
 /// grows with the third power of this.
-const MOST_CORNERS: usize = 20_000;
+const MOST_CORNERS: usize = 10_000;
 
 /// Cuts polygons, whose fans stand in `triangles`, as they need it.
 pub(super) fn cut(positions: &[[f32; 3]], triangles: &mut [[u32; 3]], polygons: &[Polygon]) -> Cuts {
