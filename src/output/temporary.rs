@@ -54,7 +54,9 @@ impl Temporary {
         let folder = path.parent().unwrap_or(Path::new("."));
         // Locked while the file is made: a signal must not come between that and the list.
         let mut unfinished = unfinished();
-        let (file, path) = builder.tempfile_in(folder)?.into_parts();
+        // Its own message names the temporary file, which says nothing to the user.
+        let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+        let (file, path) = file.into_parts();
         let listed = Listed(path.to_path_buf());
         unfinished.push(listed.0.clone());
         Ok(Self { file, path, _listed: listed })

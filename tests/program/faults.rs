@@ -162,3 +162,25 @@ fn with_few_threads_the_picture_is_the_same() {
         assert!(folder.picture("a.png") == folder.picture("b.png"), "{limit}");
     }
 }
+
+/// Runs a command line of the shell in a folder `disk` that is a file system of its own. None where the system does not
+/// allow that.
+fn with_disk(folder: &Folder, mount_options: &str, line: &str) -> Option<Run> {
+    const NOT_ALLOWED: i32 = 97;
+    let mount = format!("mkdir -p disk && mount -t tmpfs -o {mount_options} tmpfs disk || exit {NOT_ALLOWED}");
+    let line = format!("{mount}; '{}' {line}; code=$?; ls -A disk; exit $code", env!("CARGO_BIN_EXE_a2"));
+    let run = folder.run(Command::new("unshare").args(["-rm", "sh", "-c", &line]));
+    (run.exit_code != NOT_ALLOWED && !run.stderr.contains("unshare")).then_some(run)
+}
+
+#[test]
+fn a_full_or_read_only_disk_is_an_error_and_keeps_nothing() {
+    let folder = folder_with_scene();
+    for (mount_options, message) in [("size=64k", "No space left"), ("ro", "disk/o.pfm: cannot write this file")] {
+        let arguments = "-input s.txt -output disk/o.pfm -size 300 300";
+        let Some(run) = with_disk(&folder, mount_options, arguments) else { return };
+        assert_eq!(run.exit_code, 1, "{mount_options}: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{mount_options}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{mount_options}");
+    }
+}
