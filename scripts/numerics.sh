@@ -72,26 +72,16 @@ render() { # binary scene name
     "$1" -quiet -input "$2" -size 400 400 -output "$work/$3.png" -normals "$work/$3n.png" $(flags "$2") "$work/$3d.png"
 }
 over() { "$double" -compare "$1" "$2" | awk -v levels="$3" '$1 == "over" && $2 == levels { print $4 }'; }
-seconds() { # the median of five
-    for _ in 1 2 3 4 5; do
-        local start end
-        start=$(date +%s%N)
-        render "$1" "$2" timing
-        end=$(date +%s%N)
-        echo $(((end - start) / 1000))
-    done | sort -n | sed -n 3p
-}
 {
-    echo "| scene | colour: pixels changed, by over 8 levels | normals | depth | time f64 : f32 |"
-    echo "|---|---|---|---|---|"
+    echo "| scene | colour: pixels changed, by over 8 levels | normals | depth |"
+    echo "|---|---|---|---|"
     for scene in data/scene0*.txt; do
         name=$(basename "$scene" .txt)
         render "$double" "$scene" f64
         render "$single" "$scene" f32
-        ratio=$(awk -v a="$(seconds "$double" "$scene")" -v b="$(seconds "$single" "$scene")" 'BEGIN { printf "%.2f", a / b }')
         echo "| $name | $(over "$work/f64.png" "$work/f32.png" 0), $(over "$work/f64.png" "$work/f32.png" 8)" \
             "| $(over "$work/f64n.png" "$work/f32n.png" 0), $(over "$work/f64n.png" "$work/f32n.png" 8)" \
-            "| $(over "$work/f64d.png" "$work/f32d.png" 0), $(over "$work/f64d.png" "$work/f32d.png" 8) | $ratio |"
+            "| $(over "$work/f64d.png" "$work/f32d.png" 0), $(over "$work/f64d.png" "$work/f32d.png" 8) |"
     done
     echo
     echo "400 x 400 pixels each. Of the cases above, f32 loses $(cat "$work/failed"), f64 none."
