@@ -6,7 +6,7 @@ use crate::options::{MAX_PIXELS, has_extension};
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, Limits};
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Result as IoResult};
+use std::io::{BufRead as _, BufReader, Cursor, Read as _, Result as IoResult};
 use std::path::Path;
 
 /// Largest number of bytes of a picture file: 16 for each pixel of the largest picture.
@@ -16,6 +16,9 @@ const BASE_BYTES: u64 = 64 << 20;
 /// Further memory for each byte of the file. Deflate packs at most 1,032 bytes into one, and half of an EXR's numbers have
 /// 16 bits, which take 32 in memory, twice while they are decoded.
 const BYTES_PER_FILE_BYTE: u64 = 4096;
+/// Place of the colour type in a PNG file, and the type of pictures with a palette.
+const COLOR_TYPE: usize = 25;
+const WITH_PALETTE: u8 = 3;
 /// Memory for what a PNG holds beside its pixels. A larger colour profile is skipped; none is ever used.
 const MAX_EXTRA_BYTES: u64 = 16 << 20;
 
@@ -98,15 +101,34 @@ fn png_decoder(path: &Path) -> Result<(Box<dyn ImageDecoder>, u64), String> {
     }
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_EXTRA_BYTES);
-    let decoder = PngDecoder::with_limits(reader, limits).map_err(|error| unreadable(&error))?;
-    Ok((Box::new(decoder), file_bytes))
+    let decoder: Box<dyn ImageDecoder> = if accessed(reader.fill_buf())?.get(COLOR_TYPE) == Some(&WITH_PALETTE) {
+        let mut bytes = Vec::new();
+        accessed(reader.take(MAX_FILE_BYTES).read_to_end(&mut bytes))?;
+        check_palette(&bytes)?;
+        Box::new(PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(|error| unreadable(&error))?)
+    } else {
+        Box::new(PngDecoder::with_limits(reader, limits).map_err(|error| unreadable(&error))?)
+    };
+    Ok((decoder, file_bytes))
+}
+
+/// Checks that a palette ends with a whole colour: the library panics in the middle of one.
+fn check_palette(bytes: &[u8]) -> Result<(), String> {
+    let reader = png::Decoder::new(Cursor::new(bytes)).read_info();
+    let reader = reader.map_err(|error| format!("cannot read this picture: {error}"))?;
+    match &reader.info().palette {
+        Some(palette) if palette.len() % 3 != 0 => {
+            Err("this PNG is broken: its palette ends in the middle of a colour".to_owned())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Returns a decoder of an EXR file, and the file's size in bytes.
 #[cfg(feature = "exr")]
 fn exr_decoder(bytes: Vec<u8>) -> Result<(Box<dyn ImageDecoder>, u64), String> {
     let file_bytes = bytes.len() as u64;
-    let decoder = image::codecs::openexr::OpenExrDecoder::new(std::io::Cursor::new(bytes));
+    let decoder = image::codecs::openexr::OpenExrDecoder::new(Cursor::new(bytes));
     Ok((Box::new(decoder.map_err(|error| unreadable(&error))?), file_bytes))
 }
 

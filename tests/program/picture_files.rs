@@ -180,3 +180,26 @@ fn a_folder_whose_name_is_nearly_right_is_found_or_suggested() {
     let run = fails(&folder, "-input s.txt -output o.png");
     assert!(run.stderr.contains("did you mean 'Sky/Day'?"), "{}", run.stderr);
 }
+
+/// The library panics in the middle of a colour.
+#[test]
+fn a_palette_that_ends_in_the_middle_of_a_colour_is_refused() {
+    let head = [12, 2u32].map(u32::to_be_bytes).concat();
+    let small = png();
+    let [broken, whole] = [13, 12].map(|length| {
+        let head = chunk(b"IHDR", &[&head[..], &[2, 3, 0, 0, 0]].concat());
+        let palette = chunk(b"PLTE", &(0..length).collect::<Vec<u8>>());
+        // Deflate's block of stored bytes: two rows of four, then the checksum.
+        let rows = [0, 0x1b, 0x1b, 0x1b].repeat(2);
+        let (a, b) =
+            rows.iter().fold((1u32, 0u32), |(a, b), &byte| (a + u32::from(byte), b + a + u32::from(byte)));
+        let data = [&[0x78, 1, 1, 8, 0, 0xf7, 0xff][..], &rows, &((b << 16) | a).to_be_bytes()].concat();
+        [&small[..8], &head, &palette, &chunk(b"IDAT", &data), &chunk(b"IEND", &[])].concat()
+    });
+    let folder = Folder::new();
+    folder.write("broken.png", broken).write("whole.png", whole);
+    let run = folder.a2("-compare broken.png broken.png");
+    assert_eq!(run.exit_code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("its palette ends in the middle of a colour"), "{}", run.stderr);
+    assert_eq!(folder.a2("-compare whole.png whole.png").exit_code, 0);
+}
