@@ -5,7 +5,7 @@ use crate::film::{NumberPicture, read_numbers, write_png};
 use crate::options::{CompareOptions, has_extension};
 use crate::output;
 use crate::picture_file::PictureFile;
-use image::RgbImage;
+use image::{DynamicImage, RgbImage};
 use std::fmt;
 use std::path::Path;
 
@@ -79,8 +79,12 @@ impl fmt::Display for Comparison {
 /// # Errors
 /// [`Error::File`] when it cannot be read.
 pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
+    decoded(path).map(DynamicImage::into_rgb8)
+}
+
+fn decoded(path: &Path) -> Result<DynamicImage, Error> {
     let picture = PictureFile::open(path).and_then(PictureFile::decode);
-    Ok(picture.map_err(|message| Error::file(path, message))?.into_rgb8())
+    picture.map_err(|message| Error::file(path, message))
 }
 
 /// A picture to compare.
@@ -103,8 +107,7 @@ impl Picture {
             let NumberPicture { width, height, numbers } = read_numbers(path)?;
             return Ok(Self { size: (width, height), channels: Channels::Numbers(numbers), alpha: None });
         }
-        let picture = PictureFile::open(path).and_then(PictureFile::decode);
-        let picture = picture.map_err(|message| Error::file(path, message))?;
+        let picture = decoded(path)?;
         let alpha =
             picture.color().has_alpha().then(|| picture.to_rgba8().pixels().map(|pixel| pixel[3]).collect());
         let size = (picture.width(), picture.height());

@@ -46,17 +46,17 @@ pub fn render(
 ) -> Frame {
     decode_faces_ahead(scene, plan, options);
     let tiles = Tile::all(options.width, options.height).into_iter();
+    let maker = RayMaker::new(options, &SetSizes::One(1));
     let mut picture = Picture {
         scene,
         plan,
         options,
-        maker: RayMaker::new(options, &SetSizes::One(1)),
+        maker: &maker,
         deadline,
         tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan))).collect(),
         progress,
         passes: 0,
     };
-    let maker = RayMaker::new(options, &SetSizes::One(1));
     let render_preview = || Preview::render(scene, plan, options, &maker, PREVIEW_SET);
     let preview = deadline.is_set().then(render_preview);
     match options.measure.target_error {
@@ -73,7 +73,7 @@ struct Picture<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
     options: &'a Options,
-    maker: RayMaker,
+    maker: &'a RayMaker,
     /// No work is begun after this time, and what is under way is thrown away.
     deadline: Deadline,
     tiles: Vec<Mutex<TileSamples>>,

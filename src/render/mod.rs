@@ -27,11 +27,12 @@ pub use uniform::render as render_uniform;
 
 use crate::film::Planes;
 use crate::options::Options;
+use tile_samples::TileSamples;
 
 /// Estimates the memory for the pictures in bytes: the film, and with adaptive sampling the sums over samples.
 pub fn bytes_needed(options: &Options) -> u64 {
     let planes = Planes::wanted_by(options);
-    let sums = if options.measure.is_adaptive() { tile_samples::TileSamples::bytes_per_pixel(planes) } else { 0 };
+    let sums = if options.measure.is_adaptive() { TileSamples::bytes_per_pixel(planes) } else { 0 };
     // The table of all pictures keeps the one before.
     let films = if options.measure.convergence.is_some() { 2 } else { 1 };
     let bytes_per_pixel = films * planes.bytes_per_pixel() + sums;

@@ -89,21 +89,23 @@ fn cube_map(
     name: &At<String>,
     warnings: &mut Vec<String>,
 ) -> Result<CubeMap, Error> {
-    let (path, hint) = match file_path::find(folder, &name.value) {
+    let (path, similar) = match file_path::find(folder, &name.value) {
         FilePath::AsWritten => (folder.join(&name.value), None),
-        FilePath::Similar(similar) => (folder.join(&name.value), Some(format!("did you mean '{similar}'?"))),
+        FilePath::Similar(similar) => (folder.join(&name.value), Some(similar)),
         FilePath::Respelt(spelling) => {
             warnings.push(respelt(source, name, &spelling));
             (folder.join(spelling), None)
         }
     };
-    CubeMap::open(&path).map_err(|message| {
-        let error = source.error(name.span, message);
-        match hint {
-            Some(hint) => error.with_note(hint),
-            None => error,
-        }
-    })
+    CubeMap::open(&path).map_err(|message| suggesting(source.error(name.span, message), similar.as_deref()))
+}
+
+/// Adds to an error the name of a file or folder that may be meant.
+fn suggesting(error: Error, similar: Option<&str>) -> Error {
+    match similar {
+        Some(name) => error.with_note(format!("did you mean '{name}'?")),
+        None => error,
+    }
 }
 
 /// Returns the warning for a file or folder that is found under another spelling.
@@ -258,11 +260,7 @@ impl Flattened<'_> {
         let bytes = read_whole(path, MAX_MESH_BYTES).map_err(|error| {
             let name = path.display().to_string();
             let message = format!("cannot read the mesh '{}': {error}", cut_short(&name));
-            let error = self.source.error(span, message);
-            match similar {
-                Some(name) => error.with_note(format!("did you mean '{name}'?")),
-                None => error,
-            }
+            suggesting(self.source.error(span, message), similar)
         })?;
         let index = self.meshes.len() as u32;
         let file = match obj::parse_plain_mesh(path, &bytes) {
