@@ -8,11 +8,11 @@ use crate::options::Options;
 use crate::output;
 use crate::timing::Deadline;
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::io::Write as _;
-use std::iter::successors;
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
+use std::io::{ErrorKind, Write as _};
 use std::path::Path;
-use std::thread::available_parallelism;
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
 
 /// Writes to standard error. Errors of writing are ignored, because a closed pipe is no reason to fail.
 pub fn say(text: &str) {
@@ -29,24 +29,36 @@ pub fn check_files(options: &Options) -> Result<(), Error> {
     output::check_inputs(options.files(), inputs.into_iter().flatten())
 }
 
-/// Starts the worker threads: where the system allows fewer than wanted, so many, with a warning.
+/// Starts the worker threads: where the system allows fewer than wanted, so many, with a warning. The main thread is
+/// one of them: one that only waits would be a third thread on two processors, and a short run loses time to that.
 ///
 /// # Errors
-/// [`Error::Refused`] if there can be none.
+/// [`Error::Refused`] if the threads cannot work together.
 pub fn worker_threads(options: &Options) -> Result<ThreadPool, Error> {
-    let threads = |count| ThreadPoolBuilder::new().num_threads(count);
     let wanted = options.threads.unwrap_or_else(processors);
     let most = memory::most_threads().map_or(wanted, |most| most.min(wanted));
-    let counts = successors(Some(most), |count| Some(count / 2)).take_while(|&count| count > 0);
-    let pool = counts.filter_map(|count| threads(count).build().ok()).next();
-    // The main thread needs no other.
-    let pool = pool.map_or_else(|| threads(1).use_current_thread().build(), Ok);
-    let pool = pool.map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))?;
-    let count = pool.current_num_threads();
+    let others: Vec<_> = (1..most).map_while(|_| waiting_thread()).collect();
+    let count = 1 + others.len();
     if count < wanted && !options.quiet {
         say(&format!("warning: the system allows {count} worker thread(s), not {wanted}\n"));
     }
-    Ok(pool)
+    let mut others = others.into_iter();
+    ThreadPoolBuilder::new()
+        .num_threads(count)
+        .use_current_thread()
+        .spawn_handler(|worker| match others.next().map(|thread| thread.send(worker)) {
+            Some(Ok(())) => Ok(()),
+            _ => Err(ErrorKind::BrokenPipe.into()),
+        })
+        .build()
+        .map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))
+}
+
+/// Starts a thread that waits for what it shall work for. There is none if the system allows no more.
+fn waiting_thread() -> Option<Sender<ThreadBuilder>> {
+    let (sender, receiver) = channel::<ThreadBuilder>();
+    let work = move || receiver.recv().map_or((), ThreadBuilder::run);
+    thread::Builder::new().spawn(work).ok().map(|_| sender)
 }
 
 /// Returns when to stop tracing rays, so that there is time left to write the pictures.
@@ -116,7 +128,7 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
 /// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or as many as there are processors.
 fn processors() -> usize {
     let named = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse().ok());
-    named.filter(|&count| count > 0).unwrap_or_else(|| available_parallelism().map_or(1, usize::from))
+    named.filter(|&count| count > 0).unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Error> {
