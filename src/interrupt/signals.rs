@@ -4,31 +4,26 @@ use super::ENDS_RENDERING;
 use crate::output::remove_unfinished;
 use crate::timing::interrupt_rendering;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::{emulate_default_handler, signal_name};
 use std::io::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::channel;
+use std::thread::Builder;
 
 /// Has a thread wait for the signals that end a process. Where no thread can be started, they end it as they would
 /// anyway. A signal that is ignored from the start (by `nohup`, or in the background of a script) stays so.
 pub fn wait_in_a_thread() {
     let ignored = ignored();
     let is_wanted = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
-    let wanted: Vec<_> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_wanted).collect();
     // A file that grows too large is an error of writing, not the end. If this fails, it is the end, as without it.
-    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    let (ready, is_ready) = channel();
-    let started = std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
-        let signals = Signals::new(wanted);
-        let _ = ready.send(());
-        if let Ok(mut signals) = signals {
-            signals.forever().for_each(handle);
-        }
-    });
-    if started.is_ok() {
-        let _ = is_ready.recv();
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    let ends_process = || [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_wanted);
+    let Ok(mut signals) = Signals::new(ends_process()) else { return };
+    let wait = move || signals.forever().for_each(handle);
+    if Builder::new().name("signals".to_owned()).spawn(wait).is_err() {
+        ends_process().for_each(|signal| drop(flag::register_conditional_default(signal, Arc::new(true.into()))));
     }
 }
 
@@ -53,6 +48,6 @@ fn say(text: &str) {
 /// Returns the mask of the signals that were ignored when the process started. Only Linux says so.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = status.split_once("\nSigIgn:").and_then(|(_, mask)| mask.lines().next());
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
