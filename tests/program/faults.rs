@@ -16,8 +16,11 @@ fn folder_with_scene() -> Folder {
     folder
 }
 
-fn start(folder: &Folder, program: &str, arguments: &str) -> Child {
-    let mut command = Command::new(program);
+/// Starts the program with every signal as it is by default: where tests run in the background of a script, SIGINT is
+/// ignored from the start.
+fn start(folder: &Folder, arguments: &str) -> Child {
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_a2"));
     command.args(arguments.split_whitespace()).current_dir(folder.path("."));
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
@@ -45,7 +48,7 @@ fn signals_at_any_time_leave_nothing_and_lose_nothing() {
     for round in 0..200 {
         folder.write("o.pfm", "old").write("n.png", "old");
         let signal = [Signal::INT, Signal::TERM, Signal::HUP][round % 3];
-        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), ARGUMENTS);
+        let child = start(&folder, ARGUMENTS);
         // From the first instruction to the end of most runs, in an order without pattern.
         std::thread::sleep(Duration::from_micros((round as u64 * 7919 % 200) * 400));
         let sent = Instant::now();
@@ -80,7 +83,7 @@ fn a_signal_is_named_and_a_second_interrupt_ends_at_once() {
         ),
         (endless, &[Signal::INT, Signal::INT], "interrupted by SIGINT"),
     ] {
-        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), arguments);
+        let child = start(&folder, arguments);
         for &signal in signals {
             std::thread::sleep(Duration::from_millis(300));
             send(&child, signal);
@@ -103,7 +106,7 @@ fn an_interrupted_measurement_ends_with_its_best_picture() {
     let folder = folder_with_scene();
     for flags in ["-target-error 0.000001", "-time-limit 1000 -samples 65536"] {
         let arguments = format!("-input s.txt -output o.png -size 300 300 -stats {flags}");
-        let child = start(&folder, env!("CARGO_BIN_EXE_a2"), &arguments);
+        let child = start(&folder, &arguments);
         std::thread::sleep(Duration::from_millis(700));
         send(&child, Signal::INT);
         let output = child.wait_with_output().unwrap();
