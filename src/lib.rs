@@ -69,6 +69,9 @@ pub struct Outcome {
     pub exit_code: u8,
 }
 
+/// The exit code of a run whose pictures are written, but whose target error or some of whose pixels were not reached.
+pub const INCOMPLETE: u8 = 3;
+
 /// Runs a command line, without the program's name.
 ///
 /// # Errors
@@ -83,8 +86,8 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
         Request::PrintUsage(text) => Ok(Outcome { text, exit_code: 1 }),
         Request::Compare(options) => compare(&options).map_err(|error| (error, 2)),
         Request::Render(options) => {
-            render_to_files(&options).map_err(with_code)?;
-            Ok(Outcome { text: String::new(), exit_code: 0 })
+            let is_complete = render_to_files(&options).map_err(with_code)?;
+            Ok(Outcome { text: String::new(), exit_code: if is_complete { 0 } else { INCOMPLETE } })
         }
     }
 }
@@ -98,8 +101,8 @@ fn compare(options: &CompareOptions) -> Result<Outcome, Error> {
     Ok(Outcome { text, exit_code: u8::from(!alike) })
 }
 
-/// Renders a scene and writes its files.
-fn render_to_files(options: &Options) -> Result<(), Error> {
+/// Renders a scene and writes its files. Returns whether the pictures are complete.
+fn render_to_files(options: &Options) -> Result<bool, Error> {
     let total = Stopwatch::start();
     write::check_files(options)?;
     if options.measure.is_adaptive() {
@@ -118,7 +121,8 @@ fn render_to_files(options: &Options) -> Result<(), Error> {
         written?;
         report.phases.encode = encode;
         report.total = total.times();
-        write::write_findings(options, &report)
+        write::write_findings(options, &report)?;
+        Ok(report.is_complete(options))
     })
 }
 

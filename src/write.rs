@@ -84,11 +84,12 @@ pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
     if let (Some(path), Some(numbers), true) = (&options.color, &film.linear, options.color_is_numbers()) {
         film::write_numbers(path, film.width, film.height, numbers)?;
     }
+    let error_map = film.error_map();
     let planes: [(Option<&Path>, &Option<Vec<u8>>); 4] = [
         (options.color.as_deref().filter(|_| !options.color_is_numbers()), &film.color),
         (options.normals.as_deref(), &film.normals),
         (options.depth.as_ref().map(|depth| depth.path.as_path()), &film.depth),
-        (options.measure.error_map.as_deref(), &film.error_map),
+        (options.measure.error_map.as_deref(), &error_map),
     ];
     planes.into_par_iter().try_for_each(|(path, plane)| match (path, plane) {
         (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, bytes),

@@ -49,7 +49,7 @@ pub(super) const FLAGS: &[Flag] = &[
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
     ("simd", &["NAME"], "Instruction set: sse2, avx2 or avx512, same pictures [default: the best here]"),
     ("stats", &[], "Table of times, rays, memory and estimated error on standard error"),
-    ("report", &["FILE"], "The same as JSON; with either, samples are taken in two independent halves"),
+    ("report", &["FILE"], "The same as JSON"),
     ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),
     ("error-map", &["FILE"], "Picture of the estimated error (PNG), white at 16 levels; implies -jitter"),
     ("convergence", &["FILE"], "Table (CSV) of error against samples 1, 2, 4 ... N; implies -jitter"),

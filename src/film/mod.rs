@@ -35,7 +35,7 @@ impl Planes {
 
     /// Returns the bytes of a film for each pixel.
     pub fn bytes_per_pixel(&self) -> usize {
-        let planes = [(self.color, 3), (self.depth, 1), (self.normals, 3), (self.linear, 12), (self.error_map, 1)];
+        let planes = [(self.color, 3), (self.depth, 1), (self.normals, 3), (self.linear, 12), (self.error_map, 4)];
         planes.into_iter().map(|(wanted, bytes)| if wanted { bytes } else { 0 }).sum()
     }
 }
@@ -53,8 +53,8 @@ pub struct Film {
     pub normals: Option<Vec<u8>>,
     /// Colours as traced, neither clamped nor rounded: three numbers a pixel.
     pub linear: Option<Vec<f32>>,
-    /// Estimated standard errors of the colours: one byte a pixel, in sixteenths of a level.
-    pub error_map: Option<Vec<u8>>,
+    /// Estimated squared errors of the colours in squared byte levels: one number a pixel.
+    pub variances: Option<Vec<f32>>,
 }
 
 impl Film {
@@ -69,7 +69,7 @@ impl Film {
             depth: plane(planes.depth, 1),
             normals: plane(planes.normals, 3),
             linear: planes.linear.then(|| vec![0.0; 3 * pixels]),
-            error_map: plane(planes.error_map, 1),
+            variances: planes.error_map.then(|| vec![0.0; pixels]),
         }
     }
 
@@ -95,11 +95,17 @@ impl Film {
         }
     }
 
-    /// Sets the standard errors of all pixels, if the film has a plane for them: in byte levels.
-    pub fn set_errors(&mut self, levels: impl Iterator<Item = f64>) {
-        if let Some(plane) = &mut self.error_map {
-            plane.iter_mut().zip(levels).for_each(|(byte, levels)| *byte = (16.0 * levels).round() as u8);
+    /// Sets the squared errors of all pixels, if the film has a plane for them: in squared byte levels.
+    pub fn set_variances(&mut self, variances: impl Iterator<Item = f64>) {
+        if let Some(plane) = &mut self.variances {
+            plane.iter_mut().zip(variances).for_each(|(number, variance)| *number = variance as f32);
         }
+    }
+
+    /// Returns the picture of the errors: one byte a pixel, in sixteenths of a level.
+    pub fn error_map(&self) -> Option<Vec<u8>> {
+        let to_byte = |variance: &f32| (16.0 * variance.sqrt()).round() as u8;
+        self.variances.as_ref().map(|variances| variances.iter().map(to_byte).collect())
     }
 
     /// Copies a tile into the film, with its top left pixel at (`x`, `row`). The tile must have the same planes.
@@ -114,7 +120,7 @@ impl Film {
         rows.copy(&mut self.depth, &tile.depth, 1);
         rows.copy(&mut self.normals, &tile.normals, 3);
         rows.copy(&mut self.linear, &tile.linear, 3);
-        rows.copy(&mut self.error_map, &tile.error_map, 1);
+        rows.copy(&mut self.variances, &tile.variances, 1);
     }
 }
 
@@ -183,6 +189,6 @@ mod tests {
         assert_eq!(film.depth.unwrap(), expected);
         assert_eq!(film.color.unwrap(), expected.map(|byte| [byte; 3]).concat());
         assert_eq!(film.linear.unwrap(), expected.map(|byte| [byte as f32 / 255.0; 3]).concat());
-        assert!(film.normals.is_none() && film.error_map.is_none());
+        assert!(film.normals.is_none() && film.variances.is_none());
     }
 }

@@ -165,7 +165,7 @@ mod tests {
             depth: None,
             normals: None,
             linear: Some(numbers.to_vec()),
-            error_map: None,
+            variances: None,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::convergence::Point;
 use super::reference::TrueError;
+use crate::options::Options;
 use crate::render::Frame;
 use crate::scene::MeshFile;
 use crate::timing::Times;
@@ -30,10 +31,16 @@ pub struct Report {
 }
 
 impl Report {
-    /// Returns whether the estimated error is at most `levels`.
+    /// Returns whether the estimated error, with what unseen details are expected to add, is at most `levels`.
     pub fn is_below(&self, levels: f64) -> bool {
-        let is_whole = self.frame.samples.least > Some(0);
-        is_whole && self.frame.estimate.is_some_and(|estimate| estimate.levels.rmse <= levels)
+        let is_whole = self.frame.samples.unreached == 0;
+        is_whole && self.frame.estimate.is_some_and(|estimate| estimate.with_unseen() <= levels)
+    }
+
+    /// Returns whether the picture is what was asked for: every pixel was reached, and the target error too.
+    pub fn is_complete(&self, options: &Options) -> bool {
+        self.frame.samples.unreached == 0
+            && options.measure.target_error.is_none_or(|target| self.is_below(target))
     }
 
     /// Returns the million rays of all kinds for each second of rendering.

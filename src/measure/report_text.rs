@@ -43,6 +43,7 @@ impl Report {
                 "per_pixel_mean": samples.mean(),
                 "per_pixel_most": samples.most,
                 "passes": samples.passes,
+                "share_of_pixels_reached": samples.reached(),
                 "target_error_levels": measure.target_error,
                 "target_error_reached": measure.target_error.map(|target| self.is_below(target)),
                 "time_limit_seconds": measure.time_limit,
@@ -94,8 +95,9 @@ impl Report {
     /// Returns the estimated error in a line.
     pub fn verdict(&self, options: &Options) -> String {
         let mut text = match &self.frame.estimate {
-            Some(ErrorEstimate { levels, linear }) => format!(
-                "estimated    RMSE {:.4} levels, 95% between {:.4} and {:.4} (linear {:.3e})\n",
+            Some(ErrorEstimate { levels, linear, unseen, .. }) => format!(
+                "estimated    RMSE {:.4} levels, 95% between {:.4} and {:.4} (linear {:.3e});\n             \
+                 details that no sample met: below {unseen:.4} with 95%\n",
                 levels.rmse, levels.low, levels.high, linear.rmse
             ),
             None if options.color.is_none() => "estimated    no error: no colours are asked for\n".to_owned(),
@@ -104,11 +106,11 @@ impl Report {
         };
         let samples = &self.frame.samples;
         if samples.unreached > 0 {
-            let percent = 100.0 * samples.unreached as f64 / samples.pixels as f64;
+            let percent = 100.0 * (1.0 - samples.reached());
             let _ = writeln!(
                 text,
                 "warning: {percent:.1}% of the pixels were not reached in time: they show a coarse preview of at most \
-                 {PREVIEW_MIRRORS} mirrors in a row, and are not part of the estimate"
+                 {PREVIEW_MIRRORS} mirrors in a row, and count in the estimate as black or white in the worst case"
             );
         }
         text
@@ -137,7 +139,11 @@ fn interval_json(interval: &Interval) -> Value {
 }
 
 fn estimate_json(estimate: &ErrorEstimate) -> Value {
-    json!({ "levels": interval_json(&estimate.levels), "linear": interval_json(&estimate.linear) })
+    json!({
+        "levels": interval_json(&estimate.levels),
+        "linear": interval_json(&estimate.linear),
+        "unseen_levels_95": estimate.unseen,
+    })
 }
 
 fn true_error_json(error: &TrueError) -> Value {

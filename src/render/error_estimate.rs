@@ -1,26 +1,28 @@
 //! [`ErrorEstimate`]: the error of a sampled picture, estimated from its own samples.
 //!
-//! A pixel's samples are R independent sets, and its colour is the mean of the sets' means. The differences of these
-//! means give the variance of the colour, for any sampler within a set:
-//!
-//! v = sum of (mean of set r - mean)^2 over r / (R (R - 1))
-//!
-//! This estimate is unbiased. (The usual formula over all samples of a set would be far too large for stratified and
-//! Sobol samples.) For the independent sampler each sample is a set; the other samplers have two halves.
-//!
 //! The estimate is about the error of this one picture, not about the average of many: the root of the mean of
 //! (colour - expected colour)^2 over all pixels and channels. *Linear* values are colours as traced, neither clamped
 //! nor rounded. *Levels* are colours clamped to \[0, 1\] and multiplied by 255, but not truncated to whole numbers.
 //!
-//! The interval: the sum of v and the sum of squared errors differ by a sum of independent terms, one a pixel. The
-//! terms are products of the errors of different sets. They have mean 0 and variance 2 V^2 R / (R - 1), where V is
-//! the true variance of the colour. (For R = 2 the term is -(a b) with a and b the errors of the halves: 4 V^2.) V^2
-//! is not known, but the mean of v^2 is V^2 (1 + (k - 3) / R + 2 / (R - 1)), where k is the kurtosis of a set's mean:
-//! 3 for a normal distribution, at least 1. We take 2, which is typical of edges; where errors are rare and large,
-//! the interval becomes too wide rather than too narrow. With two halves the two sums can change places (exchange b
-//! and -b), so their ratio is as likely to be too large by some factor as too small: the interval is symmetric on a
-//! logarithmic scale.
+//! What is estimated. For each pixel, v: the variance of its colour by the differences of its samples (see
+//! [`spread`](super::spread)). The mean of v over all pixels is the estimate of the mean squared error.
+//!
+//! The interval. The sum of v and the sum of squared errors differ by a sum of independent terms, one a pixel. They have
+//! mean 0, and a variance that is a known multiple of v^2: with R independent sets the terms are products of the errors
+//! of different sets, with variance 2 V^2 R / (R - 1), where V is the true variance of the colour. V^2 is not known, but
+//! the mean of v^2 is V^2 (1 + (k - 3) / R + 2 / (R - 1)), where k is the kurtosis of a set's mean: 3 for a normal
+//! distribution, at least 1. We take 2, which is typical of edges. With two halves the two sums can change places, so
+//! their ratio is as likely to be too large by some factor as too small: the interval is symmetric on a logarithmic
+//! scale.
+//!
+//! What no sample has met. If samples agree, that is no proof: n samples in each of N pixels miss a detail that covers
+//! the share p of one pixel with probability (1 - p)^n. By the *rule of three*, with 95% probability all that was missed
+//! covers no more than 3 / n of a pixel in sum. If it differs by the whole range of levels, it adds at most
+//! 3 * 255^2 / (n^2 N) to the mean squared error: [`Unseen`]. This belongs into the upper end of the interval. And because no
+//! error is 0 unless nothing is random, the estimate is never less than a sixth of it, what half a missed detail adds.
+//! (Jeffreys' prior expects half an event where none was seen.)
 
+use super::spread::{SetKind, Spread};
 use vecmath::Vector3;
 
 /// An estimated root mean square error, and the interval that contains the true one with 95% probability.
@@ -38,78 +40,138 @@ pub struct ErrorEstimate {
     pub linear: Interval,
     /// Of colours clamped to \[0, 1\], times 255.
     pub levels: Interval,
+    /// What the differences of samples alone say, as RMSE in levels.
+    pub seen: f64,
+    /// What details between black and white that no sample has met may add at most with 95% probability, as RMSE in
+    /// levels. The upper ends contain it, and what brighter details may add.
+    pub unseen: f64,
+}
+
+impl ErrorEstimate {
+    /// Returns the RMSE that a target error must hold, in levels: the estimate with what unseen details are expected to
+    /// add.
+    pub fn with_unseen(&self) -> f64 {
+        (self.seen.powi(2) + EXPECTED * self.unseen.powi(2)).sqrt()
+    }
+
+    /// Returns the estimate of a picture of which `share` is estimated, and the rest shows something else, with an
+    /// RMSE of about `rest` levels. Nothing is known of the rest but that it lies between black and white.
+    #[must_use]
+    pub fn with_rest(self, share: f64, rest: f64) -> Self {
+        let mixed = |a: f64, b: f64| (share * a * a + (1.0 - share) * b * b).sqrt();
+        let of = |interval: Interval, rest: f64, most: f64| Interval {
+            rmse: mixed(interval.rmse, rest),
+            low: mixed(interval.low, 0.0),
+            high: mixed(interval.high, most),
+        };
+        Self {
+            linear: of(self.linear, rest / 255.0, f64::INFINITY),
+            levels: of(self.levels, rest, 255.0),
+            seen: mixed(self.seen, rest),
+            unseen: mixed(self.unseen, 255.0),
+        }
+    }
+}
+
+/// What unseen details are expected to add, as a share of what they add at most with 95% probability: half a detail
+/// where it may be three.
+pub const EXPECTED: f64 = 1.0 / 6.0;
+
+/// How much of a picture its samples can have missed.
+#[derive(Clone, Copy, Debug)]
+pub struct Unseen {
+    /// The smallest number of samples of any pixel.
+    pub samples: u32,
+    pub pixels: u64,
+}
+
+impl Unseen {
+    /// Returns the mean squared error that unseen details of a brightness may add, with 95% probability, as a share of
+    /// white.
+    ///
+    /// A detail of brightness A that covers the share p of a pixel changes it by min(1, p A), since white is the most
+    /// that a pixel shows. So the squared error for each share missed is at most A / n, once A is above n.
+    pub fn mean_square(&self, brightness: f64) -> f64 {
+        let in_a_sample = brightness / f64::from(self.samples.max(1));
+        3.0 * in_a_sample * in_a_sample.min(1.0) / self.pixels.max(1) as f64
+    }
 }
 
 /// Sums over pixels, from which the error is estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ErrorSums {
-    pixels: u64,
+    pub pixels: u64,
+    /// The largest colour component of any sample. Unseen details are assumed to be no brighter.
+    pub peak: f64,
     linear: Sums,
     levels: Sums,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Sum of v, averaged over the channels.
-    variances: f64,
+    /// Sums of the spread within pixels, averaged over the channels: fine and coarse.
+    spread: [f64; 2],
     /// Sum of the variances of the difference between v and the true squared error.
     squares: f64,
 }
 
 impl Sums {
-    fn add(&mut self, variances: [f64; 3], relative_variance: f64) {
-        let variance = variances.iter().sum::<f64>() / 3.0;
-        self.variances += variance;
-        self.squares += relative_variance * variance * variance;
+    fn add(&mut self, spread: &Spread, relative_variance: f64) {
+        let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
+        let fine = mean(spread.fine);
+        self.spread = [self.spread[0] + fine, self.spread[1] + mean(spread.coarse)];
+        self.squares += relative_variance * fine * fine;
     }
 
     fn merge(&mut self, other: &Self) {
-        self.variances += other.variances;
+        self.spread = [self.spread[0] + other.spread[0], self.spread[1] + other.spread[1]];
         self.squares += other.squares;
     }
 
-    fn interval(&self, pixels: f64, unit: f64) -> Interval {
+    /// Returns what the spread must be multiplied by to be the squared error.
+    fn factor(&self, kind: SetKind) -> f64 {
+        let [fine, coarse] = self.spread;
+        if fine > 0.0 { kind.factor(coarse / fine) } else { 1.0 }
+    }
+
+    fn mean_square(&self, kind: SetKind, pixels: f64) -> f64 {
+        self.factor(kind) * self.spread[0] / pixels
+    }
+
+    fn interval(&self, kind: SetKind, pixels: f64, [white, bright]: [f64; 2]) -> Interval {
         /// Number of standard deviations within which 95% of a normal distribution lie.
         const TWO_SIDED: f64 = 1.959_964;
-        if self.variances <= 0.0 {
-            return Interval::default();
-        }
-        let relative = self.squares / self.variances.powi(2);
+        let mean_square = self.mean_square(kind, pixels);
+        let relative = if self.spread[0] > 0.0 { self.squares / self.spread[0].powi(2) } else { 0.0 };
         // The logarithm of a ratio of two sums of n squares has the variance 4/n (1 + 1/n).
-        let half_width = TWO_SIDED * (relative * (1.0 + relative / 4.0)).sqrt();
-        let rmse = unit * (self.variances / pixels).sqrt();
-        let factor = (half_width / 2.0).exp();
-        Interval { rmse, low: rmse / factor, high: rmse * factor }
+        let variance = relative * (1.0 + relative / 4.0) + kind.factor_deviation().powi(2);
+        let factor = (TWO_SIDED * variance.sqrt()).exp();
+        Interval {
+            rmse: mean_square.max(EXPECTED * white).sqrt(),
+            low: (mean_square / factor).sqrt(),
+            high: (mean_square * factor + bright).sqrt(),
+        }
     }
-}
-
-/// Returns the variance of the difference between v and the squared error, as a multiple of v^2.
-fn relative_variance(sets: f64) -> f64 {
-    const KURTOSIS: f64 = 2.0;
-    2.0 * sets / (sets - 1.0) / (1.0 + (KURTOSIS - 3.0) / sets + 2.0 / (sets - 1.0))
 }
 
 impl ErrorSums {
-    /// Adds a pixel, and returns its standard error in levels. `deviations` is for each channel the sum of squared
-    /// differences of the sets' means from `mean`.
-    pub fn add(&mut self, mean: Vector3, deviations: [f64; 3], sets: u32) -> f64 {
-        let sets = f64::from(sets);
-        let linear = deviations.map(|sum| sum / (sets * (sets - 1.0)));
-        let mean = mean.to_array().map(|c| c as f64);
-        let levels = [0, 1, 2].map(|c| clamped_variance(mean[c], linear[c]));
-        let relative_variance = relative_variance(sets);
+    /// Adds a pixel with this mean of all samples, and the spread of `sets` means.
+    pub fn add(&mut self, kind: SetKind, mean: Vector3, spread: &Spread, sets: u32) {
+        let relative_variance = kind.relative_variance(sets);
         self.pixels += 1;
-        self.linear.add(linear, relative_variance);
-        self.levels.add(levels, relative_variance);
-        255.0 * (levels.iter().sum::<f64>() / 3.0).sqrt()
+        self.linear.add(spread, relative_variance);
+        self.levels.add(&clamped(mean, spread), relative_variance);
     }
 
-    /// Adds a pixel of two halves, and returns its standard error in levels.
-    pub fn add_halves(&mut self, halves: [Vector3; 2]) -> f64 {
+    /// Adds a pixel of two independent halves.
+    pub fn add_halves(&mut self, halves: [Vector3; 2]) {
         let mean = (halves[0] + halves[1]) * 0.5;
-        let half_difference = (halves[0] - halves[1]) * 0.5;
-        let deviations = half_difference.to_array().map(|d| 2.0 * (d as f64).powi(2));
-        self.add(mean, deviations, 2)
+        self.add(SetKind::Independent, mean, &SetKind::Independent.spread(&halves), 2);
+    }
+
+    /// Notes the brightness of a sample.
+    pub fn see(&mut self, color: Vector3) {
+        self.peak = color.to_array().into_iter().fold(self.peak, |peak, c| peak.max(c as f64));
     }
 
     /// Adds parts up in their order, because rounding depends on the order.
@@ -121,18 +183,46 @@ impl ErrorSums {
 
     fn merge(&mut self, other: &Self) {
         self.pixels += other.pixels;
+        self.peak = self.peak.max(other.peak);
         self.linear.merge(&other.linear);
         self.levels.merge(&other.levels);
     }
 
-    /// Returns the estimate; `None` without pixels.
-    pub fn estimate(&self) -> Option<ErrorEstimate> {
+    /// Returns the estimate if every pixel has at least so many samples; `None` without pixels.
+    pub fn estimate(&self, kind: SetKind, samples: u32) -> Option<ErrorEstimate> {
         let pixels = self.pixels as f64;
-        (self.pixels > 0).then(|| ErrorEstimate {
-            linear: self.linear.interval(pixels, 1.0),
-            levels: self.levels.interval(pixels, 255.0),
+        let unseen = Unseen { samples, pixels: self.pixels };
+        let (white, bright) = (unseen.mean_square(1.0), unseen.mean_square(self.peak.max(1.0)));
+        (self.pixels > 0).then(|| {
+            let levels = self.levels.interval(kind, pixels, [white, bright]);
+            let scaled = |share: f64| 255.0 * share;
+            ErrorEstimate {
+                linear: self.linear.interval(kind, pixels, [white, bright]),
+                levels: Interval { rmse: scaled(levels.rmse), low: scaled(levels.low), high: scaled(levels.high) },
+                seen: scaled(self.levels.mean_square(kind, pixels).sqrt()),
+                unseen: scaled(white.sqrt()),
+            }
         })
     }
+
+    /// Returns what [`coarse_levels`] must be multiplied by to be squared errors.
+    pub fn coarse_factor(&self, kind: SetKind) -> f64 {
+        let [fine, coarse] = self.levels.spread;
+        if coarse > 0.0 { self.levels.factor(kind) * fine / coarse } else { 1.0 }
+    }
+}
+
+/// Returns the coarse spread of a pixel in squared levels, averaged over the channels. Of one pixel it says more than the
+/// fine spread, because more groups are compared.
+pub fn coarse_levels(mean: Vector3, spread: &Spread) -> f64 {
+    255.0 * 255.0 * clamped(mean, spread).coarse.iter().sum::<f64>() / 3.0
+}
+
+/// Returns the spread that remains after colours are clamped to \[0, 1\].
+fn clamped(mean: Vector3, spread: &Spread) -> Spread {
+    let mean = mean.to_array().map(|c| c as f64);
+    let of = |variances: [f64; 3]| [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]));
+    Spread { fine: of(spread.fine), coarse: of(spread.coarse) }
 }
 
 /// Returns the mean squared error that remains of an error of +-sqrt(`variance`) after both values are clamped.
@@ -159,22 +249,50 @@ mod tests {
         assert!((clamped_variance(1.0, 0.01) - 0.005).abs() < 1e-15);
     }
 
+    fn halves() -> [Vector3; 2] {
+        [Vector3::new(0.2, 0.4, 0.6), Vector3::new(0.4, 0.4, 0.5)]
+    }
+
     #[test]
-    fn halves_and_sets_agree() {
-        let halves = [Vector3::new(0.2, 0.4, 0.6), Vector3::new(0.4, 0.4, 0.5)];
+    fn the_error_of_halves_is_half_their_difference() {
         let mut sums = ErrorSums::default();
-        let levels = sums.add_halves(halves);
+        (0..100).for_each(|_| sums.add_halves(halves()));
         let expected = ((0.1f64.powi(2) + 0.05f64.powi(2)) / 3.0).sqrt();
-        let estimate = sums.estimate().unwrap();
+        let estimate = sums.estimate(SetKind::Independent, 2).unwrap();
         assert!((estimate.linear.rmse - expected).abs() < 1e-6);
         assert!((estimate.levels.rmse - 255.0 * expected).abs() < 1e-4);
-        assert!((levels - 255.0 * expected).abs() < 1e-4);
-        let ratios = [estimate.levels.high / estimate.levels.rmse, estimate.levels.rmse / estimate.levels.low];
-        assert!(ratios[0] > 1.0 && (ratios[0] / ratios[1] - 1.0).abs() < 1e-12);
+        assert!(estimate.levels.low < estimate.levels.rmse && estimate.levels.rmse < estimate.levels.high);
+    }
+
+    #[test]
+    fn samples_that_agree_prove_no_error_of_zero() {
+        let mut sums = ErrorSums::default();
+        (0..900).for_each(|_| sums.add_halves([Vector3::splat(0.5); 2]));
+        let levels = |sums: &ErrorSums, samples| sums.estimate(SetKind::Independent, samples).unwrap().levels;
+        // 3 * 255^2 / (2^2 * 900), and a sixth of it.
+        let two = levels(&sums, 2);
+        assert!((two.high.powi(2) - 54.1875).abs() < 1e-9, "{two:?}");
+        assert!((two.rmse.powi(2) - 54.1875 / 6.0).abs() < 1e-9);
+        assert_eq!(two.low, 0.0);
+        assert!((levels(&sums, 20).high - two.high / 10.0).abs() < 1e-9);
+        // A bright detail changes more, until the pixel is white.
+        sums.see(Vector3::new(0.1, 50.0, 0.2));
+        assert!((levels(&sums, 2).high.powi(2) - 25.0 * 4.0 * 54.1875).abs() < 1e-6);
+    }
+
+    #[test]
+    fn pixels_that_were_not_reached_may_be_black_or_white() {
+        let mut sums = ErrorSums::default();
+        (0..100).for_each(|_| sums.add_halves(halves()));
+        let reached = sums.estimate(SetKind::Independent, 2).unwrap();
+        let whole = reached.with_rest(0.75, 20.0);
+        assert!((whole.levels.rmse.powi(2) - (0.75 * reached.levels.rmse.powi(2) + 100.0)).abs() < 1e-9);
+        assert!(whole.levels.low < reached.levels.low && whole.levels.high > 127.5 && whole.unseen > 127.5);
+        assert!(whole.linear.high.is_infinite());
     }
 
     #[test]
     fn no_pixels_no_estimate() {
-        assert_eq!(ErrorSums::default().estimate(), None);
+        assert_eq!(ErrorSums::default().estimate(SetKind::Independent, 2), None);
     }
 }

@@ -53,6 +53,11 @@ impl SampleCounts {
         self.unreached += u64::from(samples == 0);
     }
 
+    /// Returns the share of the pixels that have samples.
+    pub fn reached(&self) -> f64 {
+        1.0 - self.unreached as f64 / self.pixels.max(1) as f64
+    }
+
     /// Returns the mean number of samples a pixel.
     pub fn mean(&self) -> f64 {
         self.total as f64 / self.pixels.max(1) as f64

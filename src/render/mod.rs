@@ -7,11 +7,14 @@
 mod adaptive;
 mod allocation;
 pub mod error_estimate;
+mod error_map;
 mod frame;
+mod pilot;
 mod pixel;
 mod preview;
 mod rays;
 mod samples;
+mod spread;
 mod tile_samples;
 mod tiles;
 mod tracer;

@@ -34,9 +34,15 @@ impl Pixel {
     /// Returns the pixel with finite colours, so that it can be averaged: NaN becomes 0, infinity the largest `f32`.
     #[must_use]
     pub fn sanitized(mut self) -> Self {
-        const LARGEST: Real = f32::MAX as Real;
-        self.color = self.color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) });
+        self.color = finite(self.color);
         self
+    }
+
+    /// Returns the squared difference of the displayed colours in squared levels, averaged over the channels.
+    pub fn squared_levels(&self, other: &Self) -> f64 {
+        let shown = |pixel: &Self| pixel.color.map(|c| c.clamp(0.0, 1.0));
+        let difference = shown(self) - shown(other);
+        255.0 * 255.0 * difference.to_array().iter().map(|&d| (d as f64).powi(2)).sum::<f64>() / 3.0
     }
 
     fn add(&mut self, other: &Self, weight: Real) {
@@ -53,11 +59,22 @@ pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
     mean
 }
 
-/// Filters a 3 x 3 block of pixels with the Gaussian weights (1 2 1; 2 4 2; 1 2 1)/16.
-pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
+/// Returns a colour with NaN as 0, and infinity as the largest `f32`.
+pub fn finite(color: Vector3) -> Vector3 {
+    const LARGEST: Real = f32::MAX as Real;
+    color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) })
+}
+
+/// Returns the Gaussian weight of a pixel of a 3 x 3 block: (1 2 1; 2 4 2; 1 2 1)/16.
+pub fn filter_weight(index: usize) -> Real {
     const WEIGHTS: [Real; 9] = [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0];
+    WEIGHTS[index] / 16.0
+}
+
+/// Filters a 3 x 3 block of pixels.
+pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     let mut mean = Pixel::default();
-    block.zip(WEIGHTS).for_each(|(pixel, weight)| mean.add(&pixel, weight / 16.0));
+    block.enumerate().for_each(|(index, pixel)| mean.add(&pixel, filter_weight(index)));
     mean
 }
 

@@ -3,30 +3,9 @@
 use super::pixel::Pixel;
 use super::samples::{SamplePattern, SampleSet};
 use crate::camera::{PixelGrid, Place};
-use crate::options::{Options, SamplerKind};
+use crate::options::Options;
 use crate::trace::Seen;
 use vecmath::Real;
-
-/// How the samples of a pixel of the traced grid are divided into independent sets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SetSizes {
-    /// One set of all samples, which says nothing about their error.
-    One(u32),
-    Halves(u32, u32),
-    /// Every sample is a set of its own. The samples are those of [`One`](Self::One).
-    Singles(u32),
-}
-
-impl SetSizes {
-    pub fn new(args: &Options) -> Self {
-        let samples = args.samples();
-        match args.measure.sampler {
-            _ if samples < 2 || !args.measure.wants_estimate() => Self::One(samples),
-            SamplerKind::Independent => Self::Singles(samples),
-            SamplerKind::Stratified | SamplerKind::Sobol => Self::Halves(samples.div_ceil(2), samples / 2),
-        }
-    }
-}
 
 /// Makes the rays of pixels.
 pub struct RayMaker {
@@ -36,38 +15,41 @@ pub struct RayMaker {
     /// `None` without a picture of depths.
     depth_range: Option<(Real, Real)>,
     shows_normals: bool,
-    /// `None`: one sample in the corner of the pixel.
-    patterns: Option<Vec<(u32, SamplePattern)>>,
+    /// For each pixel of the traced grid. `None`: one sample in the corner of the pixel.
+    pattern: Option<SamplePattern>,
+    samples: u32,
     seed: u64,
 }
 
 impl RayMaker {
-    pub fn new(args: &Options, sizes: &SetSizes) -> Self {
+    pub fn new(args: &Options) -> Self {
         let finer = if args.filter { 3 } else { 1 };
-        let sizes = match *sizes {
-            SetSizes::One(samples) | SetSizes::Singles(samples) => vec![samples],
-            SetSizes::Halves(first, second) => vec![first, second],
-        };
-        let patterns = sizes.into_iter().map(|size| (size, SamplePattern::new(args.measure.sampler, size)));
+        let samples = args.samples();
         Self {
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
             is_filtered: args.filter,
             depth_range: args.depth.as_ref().map(|depth| (depth.min as Real, depth.max as Real)),
             shows_normals: args.normals.is_some(),
-            patterns: args.jitter.then(|| patterns.collect()),
+            pattern: args.jitter.then(|| SamplePattern::new(args.measure.sampler, samples)),
+            samples,
             seed: args.seed,
         }
     }
 
-    /// Adds the places of the samples of a pixel of the traced grid, set by set.
+    /// Adds the places of the samples of a pixel of the traced grid.
     pub fn add_places(&self, pixel: (u32, u32), places: &mut Vec<Place>) {
-        let Some(patterns) = &self.patterns else {
+        let Some(pattern) = &self.pattern else {
             return places.push(self.grid.place(pixel, (0.0, 0.0)));
         };
-        for (index, (size, pattern)) in patterns.iter().enumerate() {
-            let set = pattern.set(pixel, index as u32, self.seed);
-            set.for_each_offset(*size, |offset| places.push(self.grid.place(pixel, offset)));
-        }
+        let set = pattern.set(pixel, 0, self.seed);
+        set.for_each_offset(self.samples, |offset| places.push(self.grid.place(pixel, offset)));
+    }
+
+    /// Returns the place of the top left corner of a pixel of the picture. One beyond the last pixel of a row or a
+    /// column it is the corner on the other side.
+    pub fn corner(&self, (x, row): (u32, u32)) -> Place {
+        let finer = if self.is_filtered { 3 } else { 1 };
+        ((finer * x) as Real, (self.grid.height - finer * row) as Real)
     }
 
     /// Returns the place of a sample of a pixel of the picture. With `-filter` such a pixel is a block of the traced

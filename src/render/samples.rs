@@ -20,6 +20,11 @@ impl SamplePattern {
         Self { kind, cells: Cells::new(count) }
     }
 
+    /// Returns the number of cells in each row; 0 if the rows differ.
+    pub fn columns(&self) -> u32 {
+        if self.cells.in_longer_rows == 0 { self.cells.columns } else { 0 }
+    }
+
     /// Returns a set of samples of a pixel. Sets with different numbers are independent.
     pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {
         // Set 0 uses the seed as it is, so that the default pictures keep their samples.

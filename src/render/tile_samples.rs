@@ -1,7 +1,8 @@
 //! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
-use super::error_estimate::ErrorSums;
+use super::error_estimate::{ErrorSums, coarse_levels};
 use super::pixel::Pixel;
+use super::spread::{SetKind, Spread, USUAL_RATIO};
 use super::tiles::Tile;
 use crate::film::Planes;
 use crate::plan::Plan;
@@ -10,16 +11,29 @@ use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
 
-/// Sums over the samples of each pixel of a tile, in two independent halves.
+/// Sums over the samples of each pixel of a tile, in two halves, which are compared.
 pub struct TileSamples {
     pub tile: Tile,
-    /// Number of samples in each half, for each pixel.
+    /// Number of samples of each pixel, both halves together. It is even.
     pub samples: Vec<u32>,
+    halves: Halves,
     /// Sums of colours in each half, for each pixel; empty without a colour picture.
     colors: Vec<[Vector3; 2]>,
     /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
+    /// The largest colour component of any sample.
+    peak: f64,
     pub counts: RayCounts,
+}
+
+/// What the halves of a pixel's samples are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Halves {
+    /// Two sets.
+    Independent,
+    /// The first and the second half of one sequence, whose length is a power of two: when it doubles, both halves
+    /// become the first one.
+    OfSequence,
 }
 
 /// Samples that a pixel needs.
@@ -28,7 +42,7 @@ pub struct Wanted {
     pub index: usize,
     /// Column and row in the picture.
     pub pixel: (u32, u32),
-    /// Numbers of the samples, in each half.
+    /// From the number of samples that it has to the number that it shall have.
     pub samples: Range<u32>,
 }
 
@@ -40,37 +54,48 @@ impl TileSamples {
         size_of::<u32>() + colors + others + 2 * size_of::<f32>()
     }
 
-    pub fn new(tile: Tile, plan: &Plan) -> Self {
+    pub fn new(tile: Tile, plan: &Plan, halves: Halves) -> Self {
         let pixels = (tile.width * tile.height) as usize;
         let with_others = plan.depth || plan.normals;
         Self {
             tile,
             samples: vec![0; pixels],
+            halves,
             colors: vec![[Vector3::ZERO; 2]; if plan.color { pixels } else { 0 }],
             others: vec![Pixel::default(); if with_others { pixels } else { 0 }],
+            peak: 0.0,
             counts: RayCounts::default(),
         }
     }
 
-    /// Returns the pixels that have fewer samples in each half than `goal` says.
+    /// Returns the pixels that have fewer samples than `goal` says.
     pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32) -> Vec<Wanted> {
         let wanted =
             |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples[index]..goal(pixel) };
         self.tile.pixels().enumerate().map(wanted).filter(|wanted| !wanted.samples.is_empty()).collect()
     }
 
-    /// Adds samples to both halves of a pixel.
-    pub fn add(&mut self, index: usize, halves: [&[Seen]; 2], displayed: impl Fn(&Seen) -> Pixel) {
-        self.samples[index] += halves[0].len() as u32;
-        for (half, seen) in halves.into_iter().enumerate() {
-            for pixel in seen.iter().map(&displayed) {
-                if let Some(colors) = self.colors.get_mut(index) {
-                    colors[half] += pixel.color;
+    /// Adds what the wanted samples of a pixel saw: of independent halves first those of the first one.
+    pub fn add(&mut self, wanted: &Wanted, seen: &[Seen], displayed: impl Fn(&Seen) -> Pixel) {
+        let (index, samples) = (wanted.index, &wanted.samples);
+        let in_first = match self.halves {
+            Halves::Independent => seen.len() / 2,
+            Halves::OfSequence => {
+                if let Some([first, second]) = self.colors.get_mut(index) {
+                    *first += std::mem::take(second);
                 }
-                if let Some(others) = self.others.get_mut(index) {
-                    others.depth += pixel.depth;
-                    others.normal += pixel.normal;
-                }
+                (samples.end / 2).saturating_sub(samples.start) as usize
+            }
+        };
+        self.samples[index] = samples.end;
+        for (number, pixel) in seen.iter().map(displayed).enumerate() {
+            if let Some(colors) = self.colors.get_mut(index) {
+                colors[usize::from(number >= in_first)] += pixel.color;
+                self.peak = self.peak.max(pixel.color.to_array().into_iter().fold(0.0, Real::max) as f64);
+            }
+            if let Some(others) = self.others.get_mut(index) {
+                others.depth += pixel.depth;
+                others.normal += pixel.normal;
             }
         }
     }
@@ -78,36 +103,49 @@ impl TileSamples {
     /// Returns the mean of all samples of a pixel.
     pub fn mean(&self, index: usize) -> Pixel {
         let mut mean = Pixel::default();
-        let samples = 2.0 * self.samples[index] as Real;
+        let samples = self.samples[index] as Real;
         if let Some(others) = self.others.get(index) {
             mean = Pixel { depth: others.depth / samples, normal: others.normal / samples, ..mean };
         }
         if !self.colors.is_empty() {
-            let [first, second] = self.halves(index);
+            let [first, second] = self.means(index);
             mean.color = (first + second) * 0.5;
         }
         mean
     }
 
     /// Returns the mean colours of both halves.
-    fn halves(&self, index: usize) -> [Vector3; 2] {
-        self.colors[index].map(|sum| sum / self.samples[index] as Real)
+    fn means(&self, index: usize) -> [Vector3; 2] {
+        self.colors[index].map(|sum| sum / (0.5 * self.samples[index] as Real))
+    }
+
+    /// Returns the squared error of a pixel for each channel, by the difference of its halves.
+    fn spread(&self, index: usize) -> Spread {
+        let halves = SetKind::Independent.spread(&self.means(index));
+        let factor = match self.halves {
+            Halves::Independent => 1.0,
+            Halves::OfSequence => SetKind::Sobol(self.samples[index]).factor(USUAL_RATIO),
+        };
+        let mut spread = Spread::default();
+        spread.add(&halves, factor);
+        spread
     }
 
     /// Returns the errors of the pixels that have samples.
     pub fn errors(&self) -> ErrorSums {
         let mut sums = ErrorSums::default();
+        sums.peak = self.peak;
         for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
-            sums.add_halves(self.halves(index));
+            sums.add(SetKind::Independent, self.mean(index).color, &self.spread(index), 2);
         }
         sums
     }
 
-    /// Returns the standard errors of all pixels in levels, the largest level where there are no samples.
-    pub fn pixel_errors(&self) -> impl Iterator<Item = f64> {
+    /// Returns the squared errors of all pixels in squared levels, the largest where there are no samples.
+    pub fn variances(&self) -> impl Iterator<Item = f64> {
         (0..self.samples.len()).map(|index| match self.samples[index] {
-            0 => 255.0,
-            _ => ErrorSums::default().add_halves(self.halves(index)),
+            0 => 255.0 * 255.0,
+            _ => coarse_levels(self.mean(index).color, &self.spread(index)),
         })
     }
 }

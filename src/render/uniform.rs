@@ -1,9 +1,12 @@
 //! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile.
 
-use super::error_estimate::ErrorSums;
+use super::error_estimate::{ErrorSums, coarse_levels};
+use super::error_map;
 use super::frame::{Frame, SampleCounts};
-use super::pixel::{Pixel, average, filtered, store};
-use super::rays::{RayMaker, SetSizes};
+use super::pixel::{Pixel, average, filter_weight, filtered, finite, store};
+use super::rays::RayMaker;
+use super::samples::SamplePattern;
+use super::spread::{SetKind, Spread};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use crate::camera::Place;
@@ -17,9 +20,9 @@ use crate::timing::Deadline;
 use crate::trace::Seen;
 use crate::wide::PACKETS_AT_ONCE;
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use vecmath::Vector3;
 
 /// Number of rays that are traced together: so few that they fit into the processor's nearest caches, so many that
 /// they share work.
@@ -47,15 +50,15 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
             },
         )
         .collect();
-    let Picture { film, counts, filter, .. } = picture.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    Frame {
-        film,
-        counts,
-        samples: SampleCounts::even(pixels, options.samples() * options.grid_pixels()),
-        estimate: ErrorSums::total(&errors).estimate(),
-        filter,
+    let Picture { mut film, counts, filter, .. } = picture.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (errors, kind) = (ErrorSums::total(&errors), set_kind(options));
+    let samples = options.samples() * options.grid_pixels();
+    let estimate = errors.estimate(kind, samples);
+    if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
+        *variances = error_map::finished(variances, options.width as usize, errors.coarse_factor(kind), estimate);
     }
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    Frame { film, counts, samples: SampleCounts::even(pixels, samples), estimate, filter }
 }
 
 /// The picture that is being rendered.
@@ -90,31 +93,33 @@ struct TileRenderer<'a> {
     tracer: Box<dyn Tracer + 'a>,
     maker: RayMaker,
     options: &'a Options,
-    sizes: SetSizes,
+    /// How samples lie, if their error is estimated.
+    kind: Option<SetKind>,
     planes: Planes,
     errors: ErrorSums,
-    /// Standard errors of the tile's pixels so far, in levels; empty without `-error-map`.
-    pixel_errors: Vec<f64>,
+    /// Spread of the tile's pixels so far, in squared levels; empty without `-error-map`.
+    variances: Vec<f64>,
     filter: Duration,
-    /// Scratch: places to trace, and what is seen through them.
+    /// Scratch: places to trace, what is seen through them, and the colours of a set.
     places: Vec<Place>,
     seen: Vec<Seen>,
+    colors: Vec<Vector3>,
 }
 
 impl<'a> TileRenderer<'a> {
     fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options) -> Self {
-        let sizes = SetSizes::new(options);
         Self {
             tracer: tracer(scene, plan, Deadline::NEVER),
-            maker: RayMaker::new(options, &sizes),
+            maker: RayMaker::new(options),
             options,
-            sizes,
+            kind: wants_estimate(options).then(|| set_kind(options)),
             planes: Planes::wanted_by(options),
             errors: ErrorSums::default(),
-            pixel_errors: Vec::new(),
+            variances: Vec::new(),
             filter: Duration::ZERO,
             places: Vec::new(),
             seen: Vec::new(),
+            colors: Vec::new(),
         }
     }
 
@@ -126,7 +131,7 @@ impl<'a> TileRenderer<'a> {
         places.chunks(pixels_at_once).for_each(|places| self.resolve(places, &mut pixels));
         let mut film = Film::new(tile.width, tile.height, self.planes);
         store(&pixels, &mut film);
-        film.set_errors(self.pixel_errors.drain(..));
+        film.set_variances(self.variances.drain(..));
         RenderedTile {
             film,
             counts: self.tracer.take_counts(),
@@ -167,44 +172,42 @@ impl<'a> TileRenderer<'a> {
     /// Makes one pixel of the picture of everything that its rays saw: with `-jitter` the mean of the samples of each
     /// pixel of the traced grid, with `-filter` the filtered block of these pixels.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
-        match self.sizes {
-            SetSizes::One(samples) => self.mean_of(seen, 0..samples as usize),
-            SetSizes::Halves(first, second) => {
-                let (first, second) = (first as usize, second as usize);
-                let halves = [self.mean_of(seen, 0..first), self.mean_of(seen, first..first + second)];
-                let levels = self.errors.add_halves(halves.map(|half| half.color));
-                self.note_error(levels);
-                average(halves.into_iter(), 2)
-            }
-            SetSizes::Singles(samples) => {
-                let mean = self.mean_of(seen, 0..samples as usize);
-                let mut deviations = [0.0; 3];
-                for sample in 0..samples as usize {
-                    let difference = self.mean_of(seen, sample..sample + 1).color - mean.color;
-                    for (sum, difference) in deviations.iter_mut().zip(difference.to_array()) {
-                        *sum += (difference as f64).powi(2);
-                    }
-                }
-                let levels = self.errors.add(mean.color, deviations, samples);
-                self.note_error(levels);
-                mean
-            }
+        let samples = self.options.samples();
+        let mut grid_pixels = seen
+            .chunks(samples as usize)
+            .map(|seen| average(seen.iter().map(|seen| self.maker.displayed(seen).sanitized()), samples));
+        let mean =
+            if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() };
+        if let Some(kind) = self.kind {
+            self.add_error(kind, seen, mean.color);
         }
+        mean
     }
 
-    fn note_error(&mut self, levels: f64) {
-        if self.options.measure.error_map.is_some() {
-            self.pixel_errors.push(levels);
+    /// Adds the error of a pixel of the picture with this mean colour.
+    fn add_error(&mut self, kind: SetKind, seen: &[Seen], mean: Vector3) {
+        let samples = self.options.samples();
+        let mut spread = Spread::default();
+        for (index, seen) in seen.chunks(samples as usize).enumerate() {
+            self.colors.clear();
+            self.colors.extend(seen.iter().map(|seen| finite(seen.color)));
+            self.colors.iter().for_each(|&color| self.errors.see(color));
+            let weight = if self.options.filter { filter_weight(index) } else { 1.0 };
+            spread.add(&kind.spread(&self.colors), weight as f64 * weight as f64);
+        }
+        self.errors.add(kind, mean, &spread, samples);
+        if self.planes.error_map {
+            self.variances.push(coarse_levels(mean, &spread));
         }
     }
+}
 
-    /// Returns the mean over a range of the samples of each pixel of the traced grid, filtered with `-filter`.
-    fn mean_of(&self, seen: &[Seen], samples: Range<usize>) -> Pixel {
-        let count = samples.len() as u32;
-        let mut grid_pixels = seen.chunks(self.options.samples() as usize).map(|all| {
-            let samples = all[samples.clone()].iter().map(|seen| self.maker.displayed(seen).sanitized());
-            average(samples, count)
-        });
-        if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
-    }
+/// Returns whether the error of the picture is to be estimated, and can be.
+fn wants_estimate(options: &Options) -> bool {
+    options.measure.wants_estimate() && options.samples() > 1 && options.color.is_some()
+}
+
+fn set_kind(options: &Options) -> SetKind {
+    let (sampler, samples) = (options.measure.sampler, options.samples());
+    SetKind::new(sampler, samples, SamplePattern::new(sampler, samples).columns())
 }

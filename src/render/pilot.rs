@@ -1,0 +1,77 @@
+//! The *pilot*: a few rays that show where samples are needed, before they are taken.
+//!
+//! The corner of every pixel is traced, which is what the plain picture shows. So a pixel sees its four corners, and each
+//! ray serves four pixels: one ray a pixel finds every edge that a pixel's width does not hide.
+
+use super::rays::RayMaker;
+use super::tiles::Tile;
+use super::tracer::Tracer;
+use crate::film::to_byte;
+use crate::ray_counts::RayCounts;
+use crate::trace::Seen;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+use vecmath::Vector3;
+
+/// The displayed colours at the corners of all pixels, rows from the top.
+struct Corners {
+    /// Corners in a row: one more than pixels.
+    columns: usize,
+    bytes: Vec<[u8; 3]>,
+    counts: RayCounts,
+}
+
+/// Returns for each pixel of a picture the variance of its corners in squared levels, averaged over the channels, and
+/// the rays traced; `None` if the deadline came first.
+pub fn variances<'a>(
+    (width, height): (u32, u32),
+    maker: &RayMaker,
+    tracer: impl Fn() -> Box<dyn Tracer + 'a> + Sync + Send,
+) -> Option<(Vec<f32>, RayCounts)> {
+    let columns = width as usize + 1;
+    let bytes = vec![[0; 3]; columns * (height as usize + 1)];
+    let corners = Mutex::new(Corners { columns, bytes, counts: RayCounts::default() });
+    let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, tile: Tile| {
+        let places: Vec<_> = tile.pixels().map(|corner| maker.corner(corner)).collect();
+        let mut seen = Vec::new();
+        let is_whole = tracer.trace(maker.grid, &places, &mut seen);
+        // A poisoned lock means that another thread has panicked; that panic will be reported.
+        if let Ok(mut corners) = corners.lock() {
+            corners.set(tile, &seen);
+            corners.counts += tracer.take_counts();
+        }
+        is_whole
+    };
+    let tiles = Tile::all(width + 1, height + 1).into_par_iter();
+    let is_whole = tiles.map_init(tracer, trace_corners).all(|is_whole| is_whole);
+    let corners = corners.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let pixels = (0..height as usize).into_par_iter().flat_map_iter(|row| {
+        let corners = &corners;
+        (0..width as usize).map(move |x| corners.variance(x, row))
+    });
+    is_whole.then(|| (pixels.collect(), corners.counts))
+}
+
+impl Corners {
+    fn set(&mut self, tile: Tile, seen: &[Seen]) {
+        for ((x, row), seen) in tile.pixels().zip(seen) {
+            self.bytes[row as usize * self.columns + x as usize] = displayed(seen.color);
+        }
+    }
+
+    /// Returns the variance of the corners of a pixel.
+    fn variance(&self, x: usize, row: usize) -> f32 {
+        let first = row * self.columns + x;
+        let corners = [first, first + 1, first + self.columns, first + self.columns + 1].map(|i| self.bytes[i]);
+        let variance = |c: usize| {
+            let levels = corners.map(|corner| f32::from(corner[c]));
+            let mean = levels.iter().sum::<f32>() / 4.0;
+            levels.iter().map(|level| (level - mean).powi(2)).sum::<f32>() / 3.0
+        };
+        (variance(0) + variance(1) + variance(2)) / 3.0
+    }
+}
+
+fn displayed(color: Vector3) -> [u8; 3] {
+    color.to_array().map(to_byte)
+}
