@@ -2,6 +2,7 @@
 //! equal bytes at every run.
 
 mod antialiasing;
+mod coverage;
 mod cube_maps;
 mod determinism;
 mod golden;
