@@ -179,8 +179,7 @@ pub enum SamplerKind {
     /// "uniform sampling + random jitter".
     #[default]
     Stratified,
-    /// Sobol's sequence with Owen's scrambling, by the crate `sobol_burley` (Burley, Practical Hash-based Owen
-    /// Scrambling, JCGT 9(4), 2020). More samples can follow at any time.
+    /// Sobol's sequence in two dimensions with Owen's scrambling. More samples can follow at any time.
     Sobol,
 }
 

@@ -31,7 +31,12 @@ pub(super) const FLAGS: &[Flag] = &[
     ("shadows", &[], "Trace shadow rays"),
     ("jitter", &[], "16 jittered samples per pixel"),
     ("samples", &["N"], "With random samples: so many per pixel [default: 16]; implies -jitter"),
-    ("sampler", &["NAME"], "independent, stratified or sobol [default: stratified]; implies -jitter"),
+    (
+        "sampler",
+        &["NAME"],
+        "independent, stratified or sobol [default: stratified; with -target-error or -time-limit sobol]; implies \
+         -jitter",
+    ),
     ("filter", &[], "Render at 3 times the size, then filter down with a Gaussian"),
     (
         "epsilon",

@@ -13,14 +13,13 @@ use super::frame::{Frame, SampleCounts};
 use super::pilot;
 use super::pixel::{Pixel, store};
 use super::preview::Preview;
-use super::rays::RayMaker;
+use super::rays::{RayMaker, SetPart};
 use super::samples::SamplePattern;
 use super::spread::SetKind;
 use super::tile_samples::{Halves, TileSamples, Wanted};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use super::uniform::RAYS_AT_ONCE;
-use crate::camera::Place;
 use crate::film::{Film, Planes};
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
@@ -185,15 +184,17 @@ impl Picture<'_> {
     ) {
         let width = self.options.width as usize;
         let wanted = tile.pixels_below(|(x, row)| goal(row as usize * width + x as usize));
-        let (mut places, mut seen) = (Vec::new(), Vec::new());
+        let (mut parts, mut places, mut seen) = (Vec::new(), Vec::new(), Vec::new());
         let mut waiting = wanted.as_slice();
         while !waiting.is_empty() && !self.is_late() {
-            places.clear();
-            let mut taken = 0;
-            while taken < waiting.len() && places.len() < RAYS_AT_ONCE {
-                self.add_places(&waiting[taken], pass, &mut places);
+            parts.clear();
+            let (mut taken, mut rays) = (0, 0);
+            while taken < waiting.len() && rays < RAYS_AT_ONCE {
+                self.add_parts(&waiting[taken], pass, &mut parts);
+                rays += waiting[taken].samples.len();
                 taken += 1;
             }
+            self.maker.set_places_of(&parts, &mut places);
             // Paths that were cut short have lost light.
             if !tracer.trace(self.maker.grid, &places, &mut seen) {
                 break;
@@ -209,23 +210,19 @@ impl Picture<'_> {
         tile.counts += tracer.take_counts();
     }
 
-    /// Adds the places of a pixel's wanted samples: of independent halves first those of the first one.
-    fn add_places(&self, wanted: &Wanted, pass: u32, places: &mut Vec<Place>) {
+    /// Adds the parts of sets of a pixel's wanted samples: of independent halves first that of the first one.
+    fn add_parts(&self, wanted: &Wanted, pass: u32, parts: &mut Vec<SetPart>) {
         let (sampler, Range { start, end }) = (self.options.measure.sampler, wanted.samples.clone());
-        let mut add = |pattern: SamplePattern, set: u32, samples: Range<u32>| {
-            let set = pattern.set(wanted.pixel, set, self.options.seed);
-            samples.for_each(|sample| places.push(self.maker.place_of_sample(wanted.pixel, &set, sample)));
+        let part = |set, first, count| {
+            let pattern = SamplePattern::new(sampler, first + count);
+            SetPart { pixel: wanted.pixel, pattern, set, first, count }
         };
+        let half = (end - start) / 2;
         match sampler {
-            SamplerKind::Sobol => add(SamplePattern::new(sampler, end), 0, start..end),
-            SamplerKind::Independent => {
-                (0..2).for_each(|half| add(SamplePattern::new(sampler, end / 2), half, start / 2..end / 2));
-            }
+            SamplerKind::Sobol => parts.push(part(0, start, end - start)),
+            SamplerKind::Independent => parts.extend([0, 1].map(|set| part(set, start / 2, half))),
             // A stratified set cannot be extended, so every pass begins new sets.
-            SamplerKind::Stratified => {
-                let count = (end - start) / 2;
-                (0..2).for_each(|half| add(SamplePattern::new(sampler, count), 2 * pass + half, 0..count));
-            }
+            SamplerKind::Stratified => parts.extend([0, 1].map(|set| part(2 * pass + set, 0, half))),
         }
     }
 

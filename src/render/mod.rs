@@ -14,6 +14,7 @@ mod pixel;
 mod preview;
 mod rays;
 mod samples;
+mod sobol;
 mod spread;
 mod tile_samples;
 mod tiles;

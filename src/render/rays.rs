@@ -4,6 +4,7 @@ use super::pixel::Pixel;
 use super::samples::{SamplePattern, SampleSet};
 use crate::camera::{PixelGrid, Place};
 use crate::options::Options;
+use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
 use crate::trace::Seen;
 use vecmath::Real;
 
@@ -19,6 +20,19 @@ pub struct RayMaker {
     pattern: Option<SamplePattern>,
     samples: u32,
     seed: u64,
+    simd: InstructionSet,
+}
+
+/// Some samples of a set.
+pub struct SetPart {
+    /// Of the picture.
+    pub pixel: (u32, u32),
+    pub pattern: SamplePattern,
+    /// Number of the set.
+    pub set: u32,
+    /// Number of the first sample.
+    pub first: u32,
+    pub count: u32,
 }
 
 impl RayMaker {
@@ -33,16 +47,54 @@ impl RayMaker {
             pattern: args.jitter.then(|| SamplePattern::new(args.measure.sampler, samples)),
             samples,
             seed: args.seed,
+            simd: args.simd,
         }
     }
 
-    /// Adds the places of the samples of a pixel of the traced grid.
-    pub fn add_places(&self, pixel: (u32, u32), places: &mut Vec<Place>) {
+    /// Replaces `places` by those of the samples of pixels of the picture: for each pixel of the traced grid its set.
+    pub fn set_places(&self, pixels: &[(u32, u32)], places: &mut Vec<Place>) {
         let Some(pattern) = &self.pattern else {
-            return places.push(self.grid.place(pixel, (0.0, 0.0)));
+            places.clear();
+            let corner = |pixel| self.grid.place(pixel, (0.0, 0.0));
+            return match self.is_filtered {
+                true => self.for_each_grid_pixel(pixels, |pixel| places.push(corner(pixel))),
+                false => places.extend(pixels.iter().copied().map(corner)),
+            };
         };
-        let set = pattern.set(pixel, 0, self.seed);
-        set.for_each_offset(self.samples, |offset| places.push(self.grid.place(pixel, offset)));
+        let samples = self.samples as usize;
+        let grid_pixels = if self.is_filtered { 9 * pixels.len() } else { pixels.len() };
+        places.resize(grid_pixels * samples, (0.0, 0.0));
+        let (grid, seed, mut rest) = (self.grid, self.seed, places.as_mut_slice());
+        // One call for all pixels, because a call costs some 80 instructions.
+        with_simd!(self.simd, simd => vectorize!(simd, self.for_each_grid_pixel(
+            pixels,
+            #[inline(always)]
+            move |pixel| {
+                let (places, later) = std::mem::take(&mut rest).split_at_mut(samples);
+                pattern.set(pixel, 0, seed).write_offsets(0, places);
+                for place in places {
+                    *place = grid.place(pixel, *place);
+                }
+                rest = later;
+            },
+        )));
+    }
+
+    /// Replaces `places` by those of parts of sets: for each part the pixel of the picture, the pattern and number of the
+    /// set, and its samples from which on and how many.
+    pub fn set_places_of(&self, parts: &[SetPart], places: &mut Vec<Place>) {
+        places.resize(parts.iter().map(|part| part.count as usize).sum(), (0.0, 0.0));
+        let mut rest = places.as_mut_slice();
+        with_simd!(self.simd, simd => vectorize!(simd, {
+            for part in parts {
+                let (places, later) = std::mem::take(&mut rest).split_at_mut(part.count as usize);
+                part.pattern.set(part.pixel, part.set, self.seed).write_offsets(part.first, places);
+                for place in places {
+                    *place = self.place_of_offset(part.pixel, *place);
+                }
+                rest = later;
+            }
+        }));
     }
 
     /// Returns the place of the top left corner of a pixel of the picture. One beyond the last pixel of a row or a
@@ -52,11 +104,29 @@ impl RayMaker {
         ((finer * x) as Real, (self.grid.height - finer * row) as Real)
     }
 
-    /// Returns the place of a sample of a pixel of the picture. With `-filter` such a pixel is a block of the traced
+    /// Calls `f` with the pixels of the traced grid that pixels of the picture consist of.
+    #[inline(always)]
+    fn for_each_grid_pixel(&self, pixels: &[(u32, u32)], mut f: impl FnMut((u32, u32))) {
+        let finer = if self.is_filtered { 3 } else { 1 };
+        for &(x, row) in pixels {
+            for line in 0..finer {
+                for column in 0..finer {
+                    f((finer * x + column, finer * row + line));
+                }
+            }
+        }
+    }
+
+    /// Returns the place of a sample of a pixel of the picture.
+    pub fn place_of_sample(&self, pixel: (u32, u32), set: &SampleSet, sample: u32) -> Place {
+        self.place_of_offset(pixel, set.offset(sample))
+    }
+
+    /// Returns the place at an offset from a pixel of the picture. With `-filter` such a pixel is a block of the traced
     /// grid. A sample falls into a pixel of the block with a probability equal to the filter's weight there. So the
     /// mean of any number of samples is an estimate of the filtered block.
-    pub fn place_of_sample(&self, (x, row): (u32, u32), set: &SampleSet, sample: u32) -> Place {
-        let offset = set.offset(sample);
+    #[inline(always)]
+    pub fn place_of_offset(&self, (x, row): (u32, u32), offset: (Real, Real)) -> Place {
         if !self.is_filtered {
             return self.grid.place((x, row), offset);
         }

@@ -4,6 +4,7 @@
 //! Each sampler gives any number of samples. Each single sample is uniform in the pixel, so that the mean is unbiased
 //! for any number of samples. The samplers differ in how evenly the samples of a pixel are distributed together.
 
+use super::sobol::Sobol;
 use crate::options::SamplerKind;
 use vecmath::Real;
 
@@ -26,6 +27,7 @@ impl SamplePattern {
     }
 
     /// Returns a set of samples of a pixel. Sets with different numbers are independent.
+    #[inline(always)]
     pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {
         // Set 0 uses the seed as it is, so that the default pictures keep their samples.
         let seed = if set == 0 { seed } else { mixed(seed ^ u64::from(set).rotate_left(40)) };
@@ -44,44 +46,73 @@ impl SampleSet<'_> {
     /// Returns the offset of a sample from its pixel, in pixels, both in \[0, 1).
     pub fn offset(&self, sample: u32) -> (Real, Real) {
         match self.pattern.kind {
-            SamplerKind::Independent => {
-                // Other bits than the stratified sampler's, so that pictures of both are independent.
-                let (x, y) = self.random(u64::from(sample) ^ 0x6a09_e667_f3bc_c908);
-                (x.min(BELOW_ONE), y.min(BELOW_ONE))
-            }
+            SamplerKind::Independent => independent(self.pixel_bits, sample),
             SamplerKind::Stratified => {
-                let (x, y) = self.random(u64::from(sample));
+                let (x, y) = random(self.pixel_bits, sample.into());
                 self.pattern.cells.cell(sample).place(x, y)
             }
-            SamplerKind::Sobol => {
-                // The crate's sequence has 2^16 points; the next 2^16 points are another sequence.
-                let lap = u64::from(sample >> 16);
-                let seed = if lap == 0 { self.pixel_bits } else { mixed(self.pixel_bits ^ lap) } as u32;
-                let point = |dimension| sobol_burley::sample(sample & 0xffff, dimension, seed) as Real;
-                (point(0), point(1))
+            SamplerKind::Sobol => self.sobol().sample(sample),
+        }
+    }
+
+    /// Writes the [`offset`](Self::offset) of each sample from number `first` on. Call it inside `vectorize`.
+    #[inline(always)]
+    pub fn write_offsets(&self, first: u32, offsets: &mut [(Real, Real)]) {
+        let (key, cells) = (self.pixel_bits, self.pattern.cells);
+        let whole_set = first == 0 && offsets.len() == cells.count as usize;
+        match self.pattern.kind {
+            SamplerKind::Independent => {
+                for (index, offset) in offsets.iter_mut().enumerate() {
+                    *offset = independent(key, first + index as u32);
+                }
             }
+            SamplerKind::Stratified if whole_set => write_stratified(key, cells, offsets),
+            SamplerKind::Stratified => {
+                for (index, offset) in offsets.iter_mut().enumerate() {
+                    *offset = self.offset(first + index as u32);
+                }
+            }
+            SamplerKind::Sobol => self.sobol().write(first, offsets),
         }
     }
 
-    /// Calls `f` with the [`offset`](Self::offset) of each sample of the set, in order.
-    pub fn for_each_offset(&self, count: u32, mut f: impl FnMut((Real, Real))) {
-        if self.pattern.kind != SamplerKind::Stratified {
-            return (0..count).for_each(|sample| f(self.offset(sample)));
-        }
-        let mut sample = 0;
-        self.pattern.cells.for_each(|cell| {
-            let (x, y) = self.random(sample);
-            f(cell.place(x, y));
-            sample += 1;
-        });
+    #[inline(always)]
+    fn sobol(&self) -> Sobol {
+        // Other bits than those of the other samplers.
+        Sobol::new([self.pixel_bits, mixed(self.pixel_bits ^ 0xbb67_ae85_84ca_a73b)])
     }
+}
 
-    #[inline]
-    fn random(&self, index: u64) -> (Real, Real) {
-        let bits = mixed(self.pixel_bits.wrapping_add(index));
-        // Both halves are independent enough, because every bit of the mix depends on every bit of the input.
-        let unit = |half: u64| half as Real * (0.5 as Real).powi(32);
-        (unit(bits >> 32), unit(bits & 0xffff_ffff))
+/// Returns two random numbers from 0 to 1.
+#[inline(always)]
+fn random(key: u64, index: u64) -> (Real, Real) {
+    let bits = mixed(key.wrapping_add(index));
+    // Both halves are independent enough, because every bit of the mix depends on every bit of the input.
+    let unit = |half: u32| half as Real * (0.5 as Real).powi(32);
+    (unit((bits >> 32) as u32), unit(bits as u32))
+}
+
+/// Returns a sample of the independent sampler.
+#[inline(always)]
+fn independent(key: u64, sample: u32) -> (Real, Real) {
+    // Other bits than the stratified sampler's, so that pictures of both are independent.
+    let (x, y) = random(key, u64::from(sample) ^ 0x6a09_e667_f3bc_c908);
+    (below_one(x), below_one(y))
+}
+
+/// Writes a whole set of the stratified sampler.
+#[inline(always)]
+fn write_stratified(key: u64, cells: Cells, samples: &mut [(Real, Real)]) {
+    for (index, sample) in samples.iter_mut().enumerate() {
+        *sample = random(key, index as u64);
+    }
+    let mut rest = samples;
+    for first in cells.rows() {
+        let (row, later) = rest.split_at_mut(first.columns as usize);
+        for (column, sample) in row.iter_mut().enumerate() {
+            *sample = Cell { column: column as u32, ..first }.place(sample.0, sample.1);
+        }
+        rest = later;
     }
 }
 
@@ -98,7 +129,7 @@ struct Cells {
     in_longer_rows: u32,
 }
 
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Cell {
     column: u32,
     columns: u32,
@@ -114,17 +145,16 @@ impl Cells {
         Self { count, columns, in_longer_rows: (count % rows) * (columns + 1) }
     }
 
-    /// Calls `f` with each cell in order.
-    #[inline]
-    fn for_each(&self, mut f: impl FnMut(Cell)) {
+    /// Iterates over the first cell of each row.
+    #[inline(always)]
+    fn rows(self) -> impl Iterator<Item = Cell> {
         let mut before = 0;
-        while before < self.count {
+        std::iter::from_fn(move || {
             let columns = self.columns + u32::from(before < self.in_longer_rows);
-            for column in 0..columns {
-                f(Cell { column, columns, before, count: self.count });
-            }
+            let first = Cell { column: 0, columns, before, count: self.count };
             before += columns;
-        }
+            (first.before < self.count).then_some(first)
+        })
     }
 
     fn cell(&self, index: u32) -> Cell {
@@ -137,11 +167,12 @@ impl Cells {
 
 impl Cell {
     /// Takes a place in the cell to a place in the pixel.
+    #[inline(always)]
     fn place(&self, x: Real, y: Real) -> (Real, Real) {
         let (columns, count) = (self.columns as Real, self.count as Real);
         let x = (self.column as Real + x) / columns;
         let y = (self.before as Real + y * columns) / count;
-        (x.min(BELOW_ONE), y.min(BELOW_ONE))
+        (below_one(x), below_one(y))
     }
 }
 
@@ -151,11 +182,17 @@ fn nearest_root(count: u32) -> u32 {
     root + u32::from(count - root * root > root)
 }
 
-/// The largest number below 1: in `f32`, 32 random bits may round up to 1.
-const BELOW_ONE: Real = 1.0 - Real::EPSILON / 2.0;
+/// Returns a number, or the largest one below 1: in `f32`, 32 random bits may round up to 1.
+#[inline(always)]
+fn below_one(number: Real) -> Real {
+    const BELOW_ONE: Real = 1.0 - Real::EPSILON / 2.0;
+    // One instruction; `min` takes three, because it looks for NaN.
+    if number < BELOW_ONE { number } else { BELOW_ONE }
+}
 
 /// Hashes a number. It is a bijection of 64-bit numbers (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
 /// Splittable Pseudorandom Number Generators, OOPSLA 2014).
+#[inline(always)]
 fn mixed(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -166,6 +203,7 @@ fn mixed(bits: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
 
     const COUNTS: [u32; 12] = [1, 2, 3, 5, 7, 8, 12, 13, 16, 17, 100, 101];
 
@@ -183,9 +221,8 @@ mod tests {
     fn cells_have_equal_area_and_cover_the_pixel() {
         for count in COUNTS.into_iter().chain(1..300) {
             let cells: Vec<Cell> = (0..count).map(|index| Cells::new(count).cell(index)).collect();
-            let mut in_order = Vec::new();
-            Cells::new(count).for_each(|cell| in_order.push(cell));
-            assert_eq!(in_order, cells);
+            let rows: Vec<Cell> = Cells::new(count).rows().collect();
+            assert_eq!(rows, cells.iter().filter(|cell| cell.column == 0).copied().collect::<Vec<_>>());
             for (index, cell) in cells.iter().enumerate() {
                 let corners = [cell.place(0.0, 0.0), cell.place(1.0, 1.0)];
                 let area = (corners[1].0 - corners[0].0) * (corners[1].1 - corners[0].1);
@@ -213,6 +250,25 @@ mod tests {
                 assert_eq!(some, offsets((1, 2), 0, 4));
                 for other in [offsets((2, 1), 0, 4), offsets((1, 2), 1, 4), offsets((1, 2), 0, 5)] {
                     assert_ne!(some, other, "{kind:?} {count}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn many_samples_are_the_same_as_one_by_one_with_every_instruction_set() {
+        for kind in SamplerKind::ALL {
+            for count in COUNTS {
+                let pattern = SamplePattern::new(kind, count);
+                let set = pattern.set((3, 4), 1, 5);
+                for first in [0, count / 2] {
+                    let expected: Vec<_> = (first..count).map(|sample| set.offset(sample)).collect();
+                    for simd in InstructionSet::available() {
+                        let mut written = vec![(-1.0, -1.0); expected.len()];
+                        let offsets = written.as_mut_slice();
+                        with_simd!(simd, simd => vectorize!(simd, set.write_offsets(first, offsets)));
+                        assert_eq!(written, expected, "{kind:?} {simd:?} {first}..{count}");
+                    }
                 }
             }
         }

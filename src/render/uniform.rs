@@ -142,16 +142,7 @@ impl<'a> TileRenderer<'a> {
 
     /// Traces some pixels of the picture and adds them to `resolved`.
     fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) {
-        self.places.clear();
-        for &(x, row) in pixels {
-            if self.options.filter {
-                (0..9).for_each(|part| {
-                    self.maker.add_places((3 * x + part % 3, 3 * row + part / 3), &mut self.places);
-                });
-            } else {
-                self.maker.add_places((x, row), &mut self.places);
-            }
-        }
+        self.maker.set_places(pixels, &mut self.places);
         let is_whole = self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
         debug_assert!(is_whole, "there is no deadline");
         let start = self.options.measure.wants_times().then(Instant::now);

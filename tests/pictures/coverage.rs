@@ -73,6 +73,8 @@ struct Coverage {
     /// Shares of runs whose true error lies in the stated interval.
     linear: f64,
     levels: f64,
+    /// Share of runs whose true error is not above the interval, in levels.
+    safe: f64,
     /// The stated MSE over the true one, in levels, each averaged over the runs.
     stated: f64,
     /// The squared error of the mean of all pictures, as a multiple of what their spread lets expect: 1 if unbiased.
@@ -91,7 +93,7 @@ fn coverage(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Coverage {
         .collect();
     let count = runs.len() as f64;
     let (mut mean, mut squares) = (vec![0.0; truth.len()], vec![0.0; truth.len()]);
-    let mut found = Coverage { linear: 0.0, levels: 0.0, stated: 0.0, bias: 0.0 };
+    let mut found = Coverage { linear: 0.0, levels: 0.0, safe: 0.0, stated: 0.0, bias: 0.0 };
     let mut true_sum = 0.0;
     for (estimate, colors) in &runs {
         let linear = mean_square(colors, truth).sqrt();
@@ -99,6 +101,7 @@ fn coverage(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Coverage {
         let holds = |low: f64, high: f64, error: f64| f64::from(u8::from((low..=high).contains(&error))) / count;
         found.linear += holds(estimate.linear.low, estimate.linear.high, linear);
         found.levels += holds(estimate.levels.low, estimate.levels.high, levels);
+        found.safe += holds(0.0, estimate.levels.high, levels);
         found.stated += estimate.levels.rmse.powi(2);
         true_sum += levels.powi(2);
         for (i, &color) in colors.iter().enumerate() {
@@ -154,8 +157,8 @@ fn fixed(samples: &[u32]) -> Vec<String> {
     kinds.collect()
 }
 
-/// There are 24 runs a row. If the true probability is 95%, fewer than 19 of them are right in 1 of 200 cases; there
-/// are 48 rows, whose intervals are wider than they need be in most.
+/// An error that is stated too large costs time, one that is stated too small is a lie. There are 24 runs a row. If the
+/// true error is above the interval in 2.5% of them, it is so in more than 4 runs of a row in 1 of 3,000 cases.
 #[test]
 fn the_true_error_lies_in_the_stated_interval() {
     let mut kinds = fixed(&[4, 16]);
@@ -164,14 +167,14 @@ fn the_true_error_lies_in_the_stated_interval() {
     let share = rows.iter().map(|row| row.2.levels).sum::<f64>() / rows.len() as f64;
     assert!(share >= 0.93, "all: {share}");
     for (scene, kind, found) in rows {
-        assert!(found.levels >= 0.75, "{scene} {kind}: {found:?}");
+        assert!(found.safe >= 0.83, "{scene} {kind}: {found:?}");
     }
 }
 
 /// An interval that is always right says nothing.
 #[test]
 fn the_stated_interval_is_narrow() {
-    for (sampler, most) in [("independent", 1.25), ("stratified", 1.35), ("sobol", 1.35)] {
+    for (sampler, most) in [("independent", 1.25), ("stratified", 1.45), ("sobol", 1.45)] {
         let flags = format!("-size 64 64 -stats -samples 16 -sampler {sampler}");
         let estimate = rendered(&arguments(&SCENES[3], &flags)).frame.estimate.unwrap().levels;
         assert!(estimate.low > estimate.rmse / most && estimate.high < estimate.rmse * most, "{estimate:?}");
