@@ -96,9 +96,9 @@ impl Film {
     }
 
     /// Sets the squared errors of all pixels, if the film has a plane for them: in squared byte levels.
-    pub fn set_variances(&mut self, variances: impl Iterator<Item = f64>) {
+    pub fn set_variances(&mut self, variances: impl Iterator<Item = f32>) {
         if let Some(plane) = &mut self.variances {
-            plane.iter_mut().zip(variances).for_each(|(number, variance)| *number = variance as f32);
+            plane.iter_mut().zip(variances).for_each(|(number, variance)| *number = variance);
         }
     }
 

@@ -136,10 +136,15 @@ impl Picture<'_> {
     fn sample_variances(&self, order: f64) -> Vec<f32> {
         let width = self.options.width as usize;
         let mut variances = vec![0.0; width * self.options.height as usize];
-        for tile in &self.tiles {
-            let Ok(tile) = tile.lock() else { continue };
-            for (((x, row), variance), &samples) in tile.tile.pixels().zip(tile.variances()).zip(&tile.samples) {
-                variances[row as usize * width + x as usize] = (variance * f64::from(samples).powf(order)) as f32;
+        let powers: Vec<f32> = (0..32).map(|power| (order * f64::from(power)).exp2() as f32).collect();
+        for tile in self.tiles.iter().filter_map(|tile| tile.lock().ok()) {
+            let rows =
+                tile.variances.chunks(tile.tile.width as usize).zip(tile.samples.chunks(tile.tile.width as usize));
+            for (row, (errors, samples)) in (tile.tile.row as usize..).zip(rows) {
+                let first = row * width + tile.tile.x as usize;
+                for ((variance, error), samples) in variances[first..].iter_mut().zip(errors).zip(samples) {
+                    *variance = error * powers[samples.checked_ilog2().unwrap_or(0) as usize];
+                }
             }
         }
         variances
@@ -208,6 +213,9 @@ impl Picture<'_> {
             waiting = &waiting[taken..];
         }
         tile.counts += tracer.take_counts();
+        if !wanted.is_empty() {
+            tile.update_errors();
+        }
     }
 
     /// Adds the parts of sets of a pixel's wanted samples: of independent halves first that of the first one.
@@ -227,11 +235,9 @@ impl Picture<'_> {
     }
 
     fn errors(&self) -> ErrorSums {
-        let parts = self.tiles.par_iter().map(|tile| match tile.lock() {
-            Ok(tile) => tile.errors(),
-            Err(_) => ErrorSums::default(),
-        });
-        ErrorSums::total(&parts.collect::<Vec<_>>())
+        let mut sums = ErrorSums::default();
+        self.tiles.iter().filter_map(|tile| tile.lock().ok()).for_each(|tile| sums.merge(&tile.errors));
+        sums
     }
 
     /// Turns samples into pixels. Pixels without samples show the preview.
@@ -253,7 +259,7 @@ impl Picture<'_> {
             let mut tile_film = Film::new(place.width, place.height, planes);
             store(&pixels, &mut tile_film);
             if planes.error_map {
-                tile_film.set_variances(tile.variances());
+                tile_film.set_variances(tile.variances.iter().copied());
             }
             film.place(place.x, place.row, &tile_film);
             tile.samples.iter().for_each(|&count| samples.add_pixel(count));

@@ -14,18 +14,18 @@
 use super::error_estimate::{EXPECTED, Unseen};
 use super::error_map::{of_neighbours, pooled};
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
-/// Smallest number of samples of a pixel: its error is estimated from them.
-const MIN_SAMPLES: u32 = 2;
-/// Largest number of samples of a pixel: all of them are in memory at the same time.
-const MAX_SAMPLES: u32 = 1 << 16;
+/// Smallest and largest number of samples of a pixel, as powers of two: two, because the error is estimated from them; and
+/// not more than fit into memory at the same time.
+const POWERS: RangeInclusive<i32> = 1..=16;
 
 /// Least variance of a sample, in squared byte levels: 2 to this power. Pixels where the pilot has seen no variance get
 /// at least this, so that smooth shading has a say.
 const LEAST_VARIANCE_LOG2: f32 = -6.0;
 
 /// Weights are rounded to this many steps a doubling, so that sums over all pixels become sums over a few steps.
-const STEPS: f64 = 16.0;
+const STEPS: i32 = 16;
 
 /// The model is trusted to at most so many times too large an error: else samples that agree by chance would outvote
 /// the pilot rays.
@@ -36,9 +36,8 @@ const MOST_TOO_LARGE: f64 = 16.0;
 pub struct Allocation {
     /// For each pixel the logarithm of its weight (s^2)^(1/(1 + b)), s^2 in multiples of the least, in steps.
     steps: Vec<u8>,
-    /// For each step the number of its pixels, and the sum of their s^2.
-    pixels: Vec<u64>,
-    variances: Vec<f64>,
+    /// The steps that pixels have.
+    classes: Vec<Class>,
     order: f64,
     /// The variance of each pixel by the pilot.
     pilot: Vec<f32>,
@@ -47,40 +46,43 @@ pub struct Allocation {
     goals: Goals,
 }
 
-/// The number of samples of a pixel: its weight times the scale, and at least the floor.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The pixels with the same weight.
+#[derive(Clone, Copy, Debug)]
+struct Class {
+    step: i32,
+    pixels: f64,
+    /// Sum of s^2.
+    variance: f64,
+}
+
+/// The number of samples of a pixel, rounded to the nearest power of two, which Sobol's sequence distributes evenly: its
+/// weight times the scale, and at least the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Goals {
-    scale: f64,
-    floor: u32,
+    /// Logarithm of the scale, in steps.
+    scale: i32,
+    /// As a power of two.
+    floor: i32,
 }
 
 impl Goals {
-    fn of(self, step: usize) -> u32 {
-        rounded(weight(step) * self.scale).max(self.floor)
+    /// Returns the number of samples of a step as a power of two.
+    fn power(self, step: i32) -> i32 {
+        let nearest = (step + self.scale + STEPS / 2).div_euclid(STEPS);
+        nearest.clamp(self.floor, *POWERS.end())
     }
-}
-
-/// Returns the weight of a step.
-fn weight(step: usize) -> f64 {
-    (step as f64 / STEPS).exp2()
 }
 
 impl Allocation {
     /// Makes an allocation from the variance of a sample in each pixel, in squared levels, as the pilot saw it; rows of
     /// `width`. `order` is the convergence order.
     pub fn new(variances: &[f32], width: usize, order: f64) -> Self {
-        let goals = Goals { scale: 0.0, floor: MIN_SAMPLES };
-        let mut allocation = Self {
-            steps: Vec::new(),
-            pixels: Vec::new(),
-            variances: Vec::new(),
-            pilot: Vec::new(),
-            order,
-            calibration: 1.0,
-            goals,
-        };
-        allocation.pilot = pooled(variances, width);
-        allocation.set_variances(&allocation.pilot.clone());
+        let goals = Goals { scale: -256, floor: *POWERS.start() };
+        let pilot = pooled(variances, width);
+        let mut allocation =
+            Self { steps: Vec::new(), classes: Vec::new(), order, pilot: Vec::new(), calibration: 1.0, goals };
+        allocation.set_variances(&pilot);
+        allocation.pilot = pilot;
         allocation
     }
 
@@ -88,31 +90,29 @@ impl Allocation {
     /// A pixel's own samples have no say in how many more it gets.
     pub fn refine(&mut self, variances: &[f32], width: usize) {
         let calibration = self.calibration as f32;
-        let both = of_neighbours(variances, width)
-            .into_iter()
-            .zip(&self.pilot)
-            .map(|(samples, pilot)| (samples + calibration * pilot) / 2.0);
-        self.set_variances(&both.collect::<Vec<_>>());
+        let mut variances = of_neighbours(variances, width);
+        let both = variances.par_iter_mut().zip(&self.pilot);
+        both.for_each(|(samples, pilot)| *samples = (*samples + calibration * pilot) / 2.0);
+        self.set_variances(&variances);
     }
 
     fn set_variances(&mut self, variances: &[f32]) {
-        let order = self.order;
-        let steps_a_doubling = (STEPS / (1.0 + order)) as f32;
-        self.steps = variances
-            .par_iter()
-            .map(|variance| (steps_a_doubling * (variance.log2() - LEAST_VARIANCE_LOG2)).round() as u8)
-            .collect();
-        self.pixels = vec![0; 256];
-        self.steps.iter().for_each(|&step| self.pixels[usize::from(step)] += 1);
-        let variance = |(step, &pixels): (usize, &u64)| {
-            pixels as f64 * (f64::from(LEAST_VARIANCE_LOG2)).exp2() * weight(step).powf(1.0 + order)
+        let weight_of_doubling = STEPS as f32 / (1.0 + self.order) as f32;
+        let step = |variance: &f32| (weight_of_doubling * (variance.log2() - LEAST_VARIANCE_LOG2) + 0.5) as u8;
+        self.steps = variances.par_iter().map(step).collect();
+        let mut pixels = [0u32; 256];
+        self.steps.iter().for_each(|&step| pixels[usize::from(step)] += 1);
+        let class = |(step, &pixels): (usize, &u32)| {
+            let (step, pixels) = (step as i32, f64::from(pixels));
+            let variance_log2 = f64::from(LEAST_VARIANCE_LOG2) + f64::from(step) / f64::from(weight_of_doubling);
+            Class { step, pixels, variance: pixels * variance_log2.exp2() }
         };
-        self.variances = self.pixels.iter().enumerate().map(variance).collect();
+        self.classes = pixels.iter().enumerate().filter(|step| *step.1 > 0).map(class).collect();
     }
 
     /// Returns the number of samples of a pixel.
     pub fn goal(&self, pixel: usize) -> u32 {
-        self.goals.of(usize::from(self.steps[pixel]))
+        1 << self.goals.power(i32::from(self.steps[pixel]))
     }
 
     /// Returns the mean squared error of the model in squared levels, by the calibration so far.
@@ -121,14 +121,15 @@ impl Allocation {
     }
 
     fn modelled(&self, goals: Goals) -> f64 {
-        let error = |(step, variance): (usize, &f64)| variance / f64::from(goals.of(step)).powf(self.order);
-        self.variances.iter().enumerate().map(error).sum::<f64>() / self.steps.len() as f64
+        let error: Vec<f64> = (0..=*POWERS.end()).map(|power| (-self.order * f64::from(power)).exp2()).collect();
+        let sum: f64 =
+            self.classes.iter().map(|class| class.variance * error[goals.power(class.step) as usize]).sum();
+        sum / self.steps.len() as f64
     }
 
     /// Returns the sum of all goals.
     fn samples(&self, goals: Goals) -> f64 {
-        let samples = |(step, &pixels): (usize, &u64)| pixels as f64 * f64::from(goals.of(step));
-        self.pixels.iter().enumerate().map(samples).sum()
+        self.classes.iter().map(|class| class.pixels * f64::from(1 << goals.power(class.step))).sum()
     }
 
     /// Sets the calibration so that the model gives the measured mean squared error, in squared levels.
@@ -142,36 +143,32 @@ impl Allocation {
     /// Raises the goals until the calibrated model gives a mean squared error of at most `margin` times what the
     /// unseen leaves of `aim`, in squared levels, with the fewest samples. Returns false if no pixel may get more.
     pub fn raise(&mut self, aim: f64, margin: f64, unseen: impl Fn(u32) -> Unseen) -> bool {
-        let floors = (0..=16).map(|power| 1 << power);
-        let floors = floors.filter(|floor| (self.goals.floor..=MAX_SAMPLES).contains(floor));
-        let goals = floors.filter_map(|floor| {
-            let rest = aim - 255.0 * 255.0 * EXPECTED * unseen(floor).mean_square(1.0);
+        let goals = (self.goals.floor..=*POWERS.end()).filter_map(|floor| {
+            let rest = aim - 255.0 * 255.0 * EXPECTED * unseen(1 << floor).mean_square(1.0);
             (rest > 0.0).then(|| self.goals_for(floor, margin * rest))
         });
         let best = goals.min_by(|a, b| self.samples(*a).total_cmp(&self.samples(*b)));
-        let goals = best.unwrap_or(Goals { floor: MAX_SAMPLES, ..self.goals });
+        let goals = best.unwrap_or(Goals { floor: *POWERS.end(), ..self.goals });
         let is_more = self.samples(goals) > self.samples(self.goals);
         self.goals = goals;
         is_more
     }
 
     /// Returns the smallest scale with this floor for which the model's error is at most `aim`.
-    fn goals_for(&self, floor: u32, aim: f64) -> Goals {
-        let old = self.goals.scale;
+    fn goals_for(&self, floor: i32, aim: f64) -> Goals {
+        // From two samples at most for the noisiest pixels to the most for all.
+        let (mut low, mut high) = (-256, STEPS * POWERS.end());
         // Not very much more at once, because the calibration may still be wrong.
-        let (mut low, mut high) = if old == 0.0 { (1e-6, 1e6) } else { (old, 16.0 * old) };
-        for _ in 0..40 {
-            let middle = (low * high).sqrt();
-            let goals = Goals { scale: middle, floor };
-            if self.calibration * self.modelled(goals) > aim { low = middle } else { high = middle }
+        if self.goals.scale > low {
+            (low, high) = (self.goals.scale - 1, high.min(self.goals.scale + 4 * STEPS));
+        }
+        while high - low > 1 {
+            let middle = (low + high).div_euclid(2);
+            let error = self.calibration * self.modelled(Goals { scale: middle, floor });
+            if error > aim { low = middle } else { high = middle }
         }
         Goals { scale: high, floor }
     }
-}
-
-/// Rounds a number of samples to the nearest power of two, which Sobol's sequence distributes evenly.
-fn rounded(wanted: f64) -> u32 {
-    wanted.clamp(f64::from(MIN_SAMPLES), f64::from(MAX_SAMPLES)).log2().round().exp2() as u32
 }
 
 #[cfg(test)]
@@ -185,9 +182,12 @@ mod tests {
 
     #[test]
     fn goals_are_rounded_to_the_nearest_power_of_two() {
-        for (wanted, expected) in [(0.0, 2), (1.0, 2), (2.5, 2), (3.0, 4), (5.6, 4), (5.7, 8), (1e9, 1 << 16)] {
-            assert_eq!(rounded(wanted), expected, "{wanted}");
+        let goals = Goals { scale: 0, floor: 1 };
+        for (step, power) in [(-40, 1), (0, 1), (23, 1), (24, 2), (39, 2), (40, 3), (1000, 16)] {
+            assert_eq!(goals.power(step), power, "{step}");
         }
+        assert_eq!(Goals { scale: 16, floor: 3 }.power(0), 3);
+        assert_eq!(Goals { scale: 16, floor: 3 }.power(48), 4);
     }
 
     #[test]

@@ -123,6 +123,14 @@ impl Sums {
         self.squares += relative_variance * fine * fine;
     }
 
+    /// Adds the variances of a pixel's channels, and returns their mean.
+    fn add_variance(&mut self, variances: [f64; 3], relative_variance: f64) -> f64 {
+        let mean = variances.iter().sum::<f64>() / 3.0;
+        self.spread = self.spread.map(|sum| sum + mean);
+        self.squares += relative_variance * mean * mean;
+        mean
+    }
+
     fn merge(&mut self, other: &Self) {
         self.spread = [self.spread[0] + other.spread[0], self.spread[1] + other.spread[1]];
         self.squares += other.squares;
@@ -163,10 +171,23 @@ impl ErrorSums {
         self.levels.add(&clamped(mean, spread), relative_variance);
     }
 
-    /// Adds a pixel of two independent halves.
-    pub fn add_halves(&mut self, halves: [Vector3; 2]) {
+    /// Adds a pixel of two halves, whose squared difference is `factor` times four times the squared error. Returns the
+    /// squared error in squared levels.
+    pub fn add_halves(&mut self, halves: [Vector3; 2], factor: f64) -> f64 {
         let mean = (halves[0] + halves[1]) * 0.5;
-        self.add(SetKind::Independent, mean, &SetKind::Independent.spread(&halves), 2);
+        let difference = (halves[0] - halves[1]) * 0.5;
+        let variances = difference.to_array().map(|d| (d as f64).powi(2) * factor);
+        let relative_variance = SetKind::Independent.relative_variance(2);
+        self.pixels += 1;
+        self.linear.add_variance(variances, relative_variance);
+        let mean = mean.to_array().map(|c| c as f64);
+        let levels = [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]));
+        255.0 * 255.0 * self.levels.add_variance(levels, relative_variance)
+    }
+
+    /// Forgets all pixels, but not how bright samples were.
+    pub fn clear(&mut self) {
+        *self = Self { peak: self.peak, ..Self::default() };
     }
 
     /// Notes the brightness of a sample.
@@ -181,7 +202,8 @@ impl ErrorSums {
         total
     }
 
-    fn merge(&mut self, other: &Self) {
+    /// Adds the sums of other pixels.
+    pub fn merge(&mut self, other: &Self) {
         self.pixels += other.pixels;
         self.peak = self.peak.max(other.peak);
         self.linear.merge(&other.linear);
@@ -256,7 +278,9 @@ mod tests {
     #[test]
     fn the_error_of_halves_is_half_their_difference() {
         let mut sums = ErrorSums::default();
-        (0..100).for_each(|_| sums.add_halves(halves()));
+        (0..100).for_each(|_| {
+            sums.add_halves(halves(), 1.0);
+        });
         let expected = ((0.1f64.powi(2) + 0.05f64.powi(2)) / 3.0).sqrt();
         let estimate = sums.estimate(SetKind::Independent, 2).unwrap();
         assert!((estimate.linear.rmse - expected).abs() < 1e-6);
@@ -267,7 +291,9 @@ mod tests {
     #[test]
     fn samples_that_agree_prove_no_error_of_zero() {
         let mut sums = ErrorSums::default();
-        (0..900).for_each(|_| sums.add_halves([Vector3::splat(0.5); 2]));
+        (0..900).for_each(|_| {
+            sums.add_halves([Vector3::splat(0.5); 2], 1.0);
+        });
         let levels = |sums: &ErrorSums, samples| sums.estimate(SetKind::Independent, samples).unwrap().levels;
         // 3 * 255^2 / (2^2 * 900), and a sixth of it.
         let two = levels(&sums, 2);
@@ -283,7 +309,9 @@ mod tests {
     #[test]
     fn pixels_that_were_not_reached_may_be_black_or_white() {
         let mut sums = ErrorSums::default();
-        (0..100).for_each(|_| sums.add_halves(halves()));
+        (0..100).for_each(|_| {
+            sums.add_halves(halves(), 1.0);
+        });
         let reached = sums.estimate(SetKind::Independent, 2).unwrap();
         let whole = reached.with_rest(0.75, 20.0);
         assert!((whole.levels.rmse.powi(2) - (0.75 * reached.levels.rmse.powi(2) + 100.0)).abs() < 1e-9);

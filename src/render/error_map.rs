@@ -26,19 +26,44 @@ fn pooled_with(values: &[f32], width: usize, own: f32) -> Vec<f32> {
     const BESIDE: f32 = 1.0;
     const DIAGONAL: f32 = 0.5;
     let height = values.len() / width;
-    let pixel = |index: usize| {
-        let (x, row) = ((index % width) as isize, (index / width) as isize);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
-            let (x, row) = (x + dx, row + dy);
-            if x < 0 || row < 0 || x >= width as isize || row >= height as isize {
-                continue;
-            }
-            let weight = [own, BESIDE, DIAGONAL][(dx.abs() + dy.abs()) as usize];
-            sum += weight * values[row as usize * width + x as usize];
-            weights += weight;
+    let row_of = |row: usize| &values[row * width..(row + 1) * width];
+    // Weighted sums of the three rows above each other, in every column: for the middle and for either side.
+    let pool_row = |(row, pooled): (usize, &mut [f32])| {
+        let this = row_of(row);
+        let others = [row.checked_sub(1), Some(row + 1).filter(|&next| next < height)];
+        let mut vertical = vec![0.0; width];
+        for other in others.into_iter().flatten() {
+            vertical.iter_mut().zip(row_of(other)).for_each(|(sum, value)| *sum += value);
         }
-        sum / weights
+        let count = others.into_iter().flatten().count() as f32;
+        let (of_middle, of_side) = (own + BESIDE * count, BESIDE + DIAGONAL * count);
+        for x in 0..width {
+            let (mut sum, mut weights) = (own * this[x] + BESIDE * vertical[x], of_middle);
+            for side in [x.wrapping_sub(1), x + 1] {
+                if let (Some(beside), Some(diagonal)) = (this.get(side), vertical.get(side)) {
+                    sum += BESIDE * beside + DIAGONAL * diagonal;
+                    weights += of_side;
+                }
+            }
+            pooled[x] = sum / weights;
+        }
     };
-    (0..values.len()).into_par_iter().map(pixel).collect()
+    let mut pooled = vec![0.0; values.len()];
+    pooled.par_chunks_mut(width).enumerate().for_each(pool_row);
+    pooled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_averaged_over_neighbours() {
+        // A corner: 4 times itself, twice a pixel beside it, half a pixel across.
+        let values = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+        assert_eq!(pooled(&values, 3)[0], (4.0 + 2.0 + 8.0 + 8.0) / 6.5);
+        assert_eq!(pooled(&values, 3)[4], (64.0 + 2.0 + 8.0 + 32.0 + 0.5 + 2.0) / 8.0);
+        assert_eq!(of_neighbours(&values, 3)[4], (2.0 + 8.0 + 32.0 + 0.5 + 2.0) / 4.0);
+        assert_eq!(of_neighbours(&[3.0], 1), [3.0]);
+    }
 }

@@ -63,12 +63,13 @@ impl Corners {
     fn variance(&self, x: usize, row: usize) -> f32 {
         let first = row * self.columns + x;
         let corners = [first, first + 1, first + self.columns, first + self.columns + 1].map(|i| self.bytes[i]);
-        let variance = |c: usize| {
-            let levels = corners.map(|corner| f32::from(corner[c]));
-            let mean = levels.iter().sum::<f32>() / 4.0;
-            levels.iter().map(|level| (level - mean).powi(2)).sum::<f32>() / 3.0
+        // Three times the variance of four numbers is the sum of their squares less a quarter of the square of their sum.
+        let squares = |c: usize| {
+            let levels = corners.map(|corner| u32::from(corner[c]));
+            let sum = levels.iter().sum::<u32>();
+            4 * levels.iter().map(|level| level * level).sum::<u32>() - sum * sum
         };
-        (variance(0) + variance(1) + variance(2)) / 3.0
+        (squares(0) + squares(1) + squares(2)) as f32 / 36.0
     }
 }
 

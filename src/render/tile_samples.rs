@@ -1,8 +1,8 @@
 //! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
-use super::error_estimate::{ErrorSums, coarse_levels};
+use super::error_estimate::ErrorSums;
 use super::pixel::Pixel;
-use super::spread::{SetKind, Spread, USUAL_RATIO};
+use super::spread::{SetKind, USUAL_RATIO};
 use super::tiles::Tile;
 use crate::film::Planes;
 use crate::plan::Plan;
@@ -21,10 +21,15 @@ pub struct TileSamples {
     colors: Vec<[Vector3; 2]>,
     /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
-    /// The largest colour component of any sample.
-    peak: f64,
+    /// The errors of the pixels that have samples.
+    pub errors: ErrorSums,
+    /// The squared errors of all pixels in squared levels, the largest where there are no samples.
+    pub variances: Vec<f32>,
     pub counts: RayCounts,
 }
+
+/// The squared error of a pixel of which nothing is known.
+const UNKNOWN: f32 = 255.0 * 255.0;
 
 /// What the halves of a pixel's samples are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +56,7 @@ impl TileSamples {
     pub fn bytes_per_pixel(planes: Planes) -> usize {
         let colors = if planes.color { size_of::<[Vector3; 2]>() } else { 0 };
         let others = if planes.depth || planes.normals { size_of::<Pixel>() } else { 0 };
-        size_of::<u32>() + colors + others + 2 * size_of::<f32>()
+        size_of::<u32>() + colors + others + 4 * size_of::<f32>()
     }
 
     pub fn new(tile: Tile, plan: &Plan, halves: Halves) -> Self {
@@ -63,7 +68,8 @@ impl TileSamples {
             halves,
             colors: vec![[Vector3::ZERO; 2]; if plan.color { pixels } else { 0 }],
             others: vec![Pixel::default(); if with_others { pixels } else { 0 }],
-            peak: 0.0,
+            errors: ErrorSums::default(),
+            variances: vec![UNKNOWN; pixels],
             counts: RayCounts::default(),
         }
     }
@@ -91,7 +97,7 @@ impl TileSamples {
         for (number, pixel) in seen.iter().map(displayed).enumerate() {
             if let Some(colors) = self.colors.get_mut(index) {
                 colors[usize::from(number >= in_first)] += pixel.color;
-                self.peak = self.peak.max(pixel.color.to_array().into_iter().fold(0.0, Real::max) as f64);
+                self.errors.see(pixel.color);
             }
             if let Some(others) = self.others.get_mut(index) {
                 others.depth += pixel.depth;
@@ -119,33 +125,15 @@ impl TileSamples {
         self.colors[index].map(|sum| sum / (0.5 * self.samples[index] as Real))
     }
 
-    /// Returns the squared error of a pixel for each channel, by the difference of its halves.
-    fn spread(&self, index: usize) -> Spread {
-        let halves = SetKind::Independent.spread(&self.means(index));
-        let factor = match self.halves {
-            Halves::Independent => 1.0,
-            Halves::OfSequence => SetKind::Sobol(self.samples[index]).factor(USUAL_RATIO),
-        };
-        let mut spread = Spread::default();
-        spread.add(&halves, factor);
-        spread
-    }
-
-    /// Returns the errors of the pixels that have samples.
-    pub fn errors(&self) -> ErrorSums {
-        let mut sums = ErrorSums::default();
-        sums.peak = self.peak;
+    /// Estimates the errors of all pixels anew.
+    pub fn update_errors(&mut self) {
+        self.errors.clear();
         for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
-            sums.add(SetKind::Independent, self.mean(index).color, &self.spread(index), 2);
+            let factor = match self.halves {
+                Halves::Independent => 1.0,
+                Halves::OfSequence => SetKind::Sobol(self.samples[index]).factor(USUAL_RATIO),
+            };
+            self.variances[index] = self.errors.add_halves(self.means(index), factor) as f32;
         }
-        sums
-    }
-
-    /// Returns the squared errors of all pixels in squared levels, the largest where there are no samples.
-    pub fn variances(&self) -> impl Iterator<Item = f64> {
-        (0..self.samples.len()).map(|index| match self.samples[index] {
-            0 => 255.0 * 255.0,
-            _ => coarse_levels(self.mean(index).color, &self.spread(index)),
-        })
     }
 }

@@ -98,7 +98,7 @@ struct TileRenderer<'a> {
     planes: Planes,
     errors: ErrorSums,
     /// Spread of the tile's pixels so far, in squared levels; empty without `-error-map`.
-    variances: Vec<f64>,
+    variances: Vec<f32>,
     filter: Duration,
     /// Scratch: places to trace, what is seen through them, and the colours of a set.
     places: Vec<Place>,
@@ -188,7 +188,7 @@ impl<'a> TileRenderer<'a> {
         }
         self.errors.add(kind, mean, &spread, samples);
         if self.planes.error_map {
-            self.variances.push(coarse_levels(mean, &spread));
+            self.variances.push(coarse_levels(mean, &spread) as f32);
         }
     }
 }
