@@ -44,6 +44,18 @@ impl Camera {
         Ray { origin: self.center, direction: self.direction(ndc).normalized() }
     }
 
+    /// Returns where the ray through a point goes through the picture, in normalised device coordinates; `None` unless
+    /// the point lies clearly before the camera.
+    pub fn ndc_of(&self, point: Vector3) -> Option<(Real, Real)> {
+        // point - center = s (forward + x horizontal + y up), by Cramer's rule, in multiples of the determinant.
+        let (to_point, normal) = (point - self.center, self.horizontal.cross(self.up));
+        let along = to_point.dot(normal);
+        let across =
+            (to_point.dot(self.up.cross(self.forward)), to_point.dot(self.forward.cross(self.horizontal)));
+        let is_before = along / self.forward.dot(normal) > 1e-6 * to_point.length() / self.forward.length();
+        is_before.then_some((across.0 / along, across.1 / along))
+    }
+
     /// Returns the direction of that ray before it is normalised.
     #[inline(always)]
     pub(crate) fn direction(&self, (ndc_x, ndc_y): (Real, Real)) -> Vector3 {
@@ -101,6 +113,25 @@ mod tests {
 
     fn camera() -> Camera {
         Camera::new(Vector3::new(0.0, 0.0, 5.0), -2.0 * Z, Y, std::f64::consts::FRAC_PI_2).unwrap()
+    }
+
+    #[test]
+    fn a_point_lies_where_its_ray_goes() {
+        let skew = Camera::new(
+            Vector3::new(1.0, 2.0, 3.0),
+            Vector3::new(0.5, -1.0, 2.0),
+            Vector3::new(0.1, 3.0, 0.2),
+            1.0,
+        );
+        let skew = skew.unwrap();
+        for ndc in [(0.0, 0.0), (-0.7, 0.9), (1.0, -1.0)] {
+            let ray = skew.ray(ndc);
+            let found = skew.ndc_of(ray.origin + ray.direction * 7.0).unwrap();
+            assert!((found.0 - ndc.0).abs().max((found.1 - ndc.1).abs()) < 1e3 * Real::EPSILON, "{found:?}");
+            assert_eq!(skew.ndc_of(ray.origin - ray.direction * 7.0), None);
+        }
+        assert_eq!(skew.ndc_of(skew.center), None);
+        assert_eq!(skew.ndc_of(Vector3::splat(Real::NAN)), None);
     }
 
     #[test]

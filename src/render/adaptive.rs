@@ -7,6 +7,7 @@
 //! is biased by its own samples, but for its small share in the error of the whole.
 
 use super::allocation::Allocation;
+use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{EXPECTED, ErrorEstimate, ErrorSums, Unseen};
 use super::error_map;
 use super::frame::{Frame, SampleCounts};
@@ -46,6 +47,7 @@ pub fn render(
     decode_faces_ahead(scene, plan, options);
     let tiles = Tile::all(options.width, options.height).into_iter();
     let maker = RayMaker::new(options);
+    let empty = EmptyTiles::new(scene, plan, options, maker.grid);
     let (kind, halves) = match options.measure.sampler {
         SamplerKind::Sobol => (SetKind::Sequences, Halves::OfSequence),
         SamplerKind::Independent | SamplerKind::Stratified => (SetKind::Independent, Halves::Independent),
@@ -57,7 +59,7 @@ pub fn render(
         maker: &maker,
         kind,
         deadline,
-        tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan, halves))).collect(),
+        tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan, halves, empty.contain(&tile)))).collect(),
         progress,
         passes: 0,
         pilot: None,
@@ -153,7 +155,7 @@ impl Picture<'_> {
     /// Returns the estimated error of the pixels that have samples; `None` if there are none.
     fn estimate(&self) -> Option<ErrorEstimate> {
         let least = |tile: &Mutex<TileSamples>| {
-            let tile = tile.lock().ok()?;
+            let tile = tile.lock().ok().filter(|tile| !tile.is_empty)?;
             tile.samples.iter().copied().filter(|&samples| samples > 0).min()
         };
         let least = self.tiles.par_iter().filter_map(least).min().unwrap_or(2);
@@ -187,6 +189,9 @@ impl Picture<'_> {
         pass: u32,
         goal: &(impl Fn(usize) -> u32 + Sync),
     ) {
+        if tile.is_empty {
+            return self.fill_tile(tracer, tile);
+        }
         let width = self.options.width as usize;
         let wanted = tile.pixels_below(|(x, row)| goal(row as usize * width + x as usize));
         let (mut parts, mut places, mut seen) = (Vec::new(), Vec::new(), Vec::new());
@@ -214,6 +219,20 @@ impl Picture<'_> {
         }
         tile.counts += tracer.take_counts();
         if !wanted.is_empty() {
+            tile.update_errors();
+        }
+    }
+
+    /// Takes the one sample that a pixel needs which sees nothing but a background of one colour.
+    fn fill_tile(&self, tracer: &mut dyn Tracer, tile: &mut TileSamples) {
+        if tile.samples[0] == 0 {
+            let places: Vec<_> = tile.tile.pixels().map(|corner| self.maker.corner(corner)).collect();
+            let mut seen = Vec::new();
+            tracer.trace(self.maker.grid, &places, &mut seen);
+            debug_assert!(seen.iter().all(|seen| seen.depth.is_none()), "it is empty");
+            let pixels = seen.iter().map(|seen| self.maker.displayed(seen).sanitized());
+            pixels.enumerate().for_each(|(index, pixel)| tile.set_exact(index, &pixel));
+            tile.counts += tracer.take_counts();
             tile.update_errors();
         }
     }
@@ -262,7 +281,7 @@ impl Picture<'_> {
                 tile_film.set_variances(tile.variances.iter().copied());
             }
             film.place(place.x, place.row, &tile_film);
-            tile.samples.iter().for_each(|&count| samples.add_pixel(count));
+            tile.samples.iter().for_each(|&count| samples.add_pixels(1, count));
             counts += tile.counts;
         }
         if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {

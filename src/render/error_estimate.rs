@@ -101,6 +101,8 @@ impl Unseen {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ErrorSums {
     pub pixels: u64,
+    /// Of these, pixels that are known to be exact.
+    exact: u64,
     /// The largest colour component of any sample. Unseen details are assumed to be no brighter.
     pub peak: f64,
     linear: Sums,
@@ -185,6 +187,12 @@ impl ErrorSums {
         255.0 * 255.0 * self.levels.add_variance(levels, relative_variance)
     }
 
+    /// Adds pixels that are known to be exact.
+    pub fn add_exact(&mut self, pixels: u64) {
+        self.pixels += pixels;
+        self.exact += pixels;
+    }
+
     /// Forgets all pixels, but not how bright samples were.
     pub fn clear(&mut self) {
         *self = Self { peak: self.peak, ..Self::default() };
@@ -205,6 +213,7 @@ impl ErrorSums {
     /// Adds the sums of other pixels.
     pub fn merge(&mut self, other: &Self) {
         self.pixels += other.pixels;
+        self.exact += other.exact;
         self.peak = self.peak.max(other.peak);
         self.linear.merge(&other.linear);
         self.levels.merge(&other.levels);
@@ -214,7 +223,10 @@ impl ErrorSums {
     pub fn estimate(&self, kind: SetKind, samples: u32) -> Option<ErrorEstimate> {
         let pixels = self.pixels as f64;
         let unseen = Unseen { samples, pixels: self.pixels };
-        let (white, bright) = (unseen.mean_square(1.0), unseen.mean_square(self.peak.max(1.0)));
+        let brightness = [1.0, self.peak.max(1.0)];
+        let is_exact = self.exact == self.pixels;
+        let [white, bright] =
+            brightness.map(|brightness| if is_exact { 0.0 } else { unseen.mean_square(brightness) });
         (self.pixels > 0).then(|| {
             let levels = self.levels.interval(kind, pixels, [white, bright]);
             let scaled = |share: f64| 255.0 * share;
@@ -304,6 +316,23 @@ mod tests {
         // A bright detail changes more, until the pixel is white.
         sums.see(Vector3::new(0.1, 50.0, 0.2));
         assert!((levels(&sums, 2).high.powi(2) - 25.0 * 4.0 * 54.1875).abs() < 1e-6);
+    }
+
+    #[test]
+    fn pixels_that_are_known_have_no_error() {
+        let mut sums = ErrorSums::default();
+        sums.add_exact(75);
+        assert_eq!(sums.estimate(SetKind::Independent, 2).unwrap(), ErrorEstimate::default());
+        let mut mixed = ErrorSums::default();
+        (0..25).for_each(|_| {
+            mixed.add_halves(halves(), 1.0);
+        });
+        let alone = mixed.estimate(SetKind::Independent, 2).unwrap();
+        mixed.merge(&sums);
+        let mixed = mixed.estimate(SetKind::Independent, 2).unwrap();
+        assert!((mixed.seen - alone.seen / 2.0).abs() < 1e-12);
+        // 3 details may hide in a quarter of the pixels as well as in all.
+        assert!((mixed.unseen - alone.unseen / 2.0).abs() < 1e-12);
     }
 
     #[test]

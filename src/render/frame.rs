@@ -33,24 +33,13 @@ pub struct SampleCounts {
 }
 
 impl SampleCounts {
-    /// Makes counts with the same number in every pixel.
-    pub fn even(pixels: u64, samples: u32) -> Self {
-        Self {
-            pixels,
-            total: pixels * u64::from(samples),
-            least: Some(samples),
-            most: samples,
-            unreached: 0,
-            passes: 0,
-        }
-    }
-
-    pub fn add_pixel(&mut self, samples: u32) {
-        self.pixels += 1;
-        self.total += u64::from(samples);
+    /// Adds pixels with so many samples each.
+    pub fn add_pixels(&mut self, pixels: u64, samples: u32) {
+        self.pixels += pixels;
+        self.total += pixels * u64::from(samples);
         self.least = Some(self.least.map_or(samples, |least| least.min(samples)));
         self.most = self.most.max(samples);
-        self.unreached += u64::from(samples == 0);
+        self.unreached += if samples == 0 { pixels } else { 0 };
     }
 
     /// Returns the share of the pixels that have samples.

@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod allocation;
+mod empty_tiles;
 pub mod error_estimate;
 mod error_map;
 mod frame;

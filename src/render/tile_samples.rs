@@ -14,7 +14,9 @@ use vecmath::{Real, Vector3};
 /// Sums over the samples of each pixel of a tile, in two halves, which are compared.
 pub struct TileSamples {
     pub tile: Tile,
-    /// Number of samples of each pixel, both halves together. It is even.
+    /// Whether nothing but a background of one colour is seen through it.
+    pub is_empty: bool,
+    /// Number of samples of each pixel, both halves together. It is even, or 1 in an empty tile.
     pub samples: Vec<u32>,
     halves: Halves,
     /// Sums of colours in each half, for each pixel; empty without a colour picture.
@@ -59,11 +61,12 @@ impl TileSamples {
         size_of::<u32>() + colors + others + 4 * size_of::<f32>()
     }
 
-    pub fn new(tile: Tile, plan: &Plan, halves: Halves) -> Self {
+    pub fn new(tile: Tile, plan: &Plan, halves: Halves, is_empty: bool) -> Self {
         let pixels = (tile.width * tile.height) as usize;
         let with_others = plan.depth || plan.normals;
         Self {
             tile,
+            is_empty,
             samples: vec![0; pixels],
             halves,
             colors: vec![[Vector3::ZERO; 2]; if plan.color { pixels } else { 0 }],
@@ -106,6 +109,18 @@ impl TileSamples {
         }
     }
 
+    /// Sets the one sample of a pixel of an empty tile.
+    pub fn set_exact(&mut self, index: usize, pixel: &Pixel) {
+        self.samples[index] = 1;
+        if let Some(colors) = self.colors.get_mut(index) {
+            *colors = [pixel.color * 0.5; 2];
+            self.errors.see(pixel.color);
+        }
+        if let Some(others) = self.others.get_mut(index) {
+            *others = *pixel;
+        }
+    }
+
     /// Returns the mean of all samples of a pixel.
     pub fn mean(&self, index: usize) -> Pixel {
         let mut mean = Pixel::default();
@@ -128,6 +143,10 @@ impl TileSamples {
     /// Estimates the errors of all pixels anew.
     pub fn update_errors(&mut self) {
         self.errors.clear();
+        if self.is_empty {
+            self.errors.add_exact(self.samples.len() as u64);
+            return self.variances.fill(0.0);
+        }
         for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
             let factor = match self.halves {
                 Halves::Independent => 1.0,

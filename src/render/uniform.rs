@@ -1,5 +1,6 @@
 //! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile.
 
+use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{ErrorSums, coarse_levels};
 use super::error_map;
 use super::frame::{Frame, SampleCounts};
@@ -34,13 +35,21 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
     let tiles = Tile::all(options.width, options.height);
     decode_faces_ahead(scene, plan, options);
     let film = Film::new(options.width, options.height, Planes::wanted_by(options));
-    let picture = Mutex::new(Picture { film, counts: RayCounts::default(), filter: Duration::ZERO, tiles: 0 });
+    let empty = EmptyTiles::new(scene, plan, options, RayMaker::new(options).grid);
+    let picture = Mutex::new(Picture {
+        film,
+        counts: RayCounts::default(),
+        filter: Duration::ZERO,
+        tiles: 0,
+        samples: SampleCounts::default(),
+    });
     let errors: Vec<ErrorSums> = tiles
         .par_iter()
         .map_init(
             || TileRenderer::new(scene, plan, options),
             |renderer, tile| {
-                let rendered = renderer.render(tile);
+                let is_empty = empty.contain(tile);
+                let rendered = if is_empty { renderer.fill(tile) } else { renderer.render(tile) };
                 // A poisoned lock means that another thread has panicked; that panic will be reported.
                 if let Ok(mut picture) = picture.lock() {
                     picture.add(tile, &rendered);
@@ -50,15 +59,16 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
             },
         )
         .collect();
-    let Picture { mut film, counts, filter, .. } = picture.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let Picture { mut film, counts, filter, samples, .. } =
+        picture.into_inner().unwrap_or_else(PoisonError::into_inner);
     let (errors, kind) = (ErrorSums::total(&errors), set_kind(options));
-    let samples = options.samples() * options.grid_pixels();
-    let estimate = errors.estimate(kind, samples);
+    let estimate = errors.estimate(kind, options.samples() * options.grid_pixels());
     if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
         *variances = error_map::finished(variances, options.width as usize, errors.coarse_factor(kind), estimate);
     }
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    Frame { film, counts, samples: SampleCounts::even(pixels, samples), estimate, filter }
+    // Without an estimate no errors are added up.
+    let estimate = estimate.filter(|_| wants_estimate(options));
+    Frame { film, counts, samples, estimate, filter }
 }
 
 /// The picture that is being rendered.
@@ -68,6 +78,7 @@ struct Picture {
     filter: Duration,
     /// Number of finished tiles.
     tiles: usize,
+    samples: SampleCounts,
 }
 
 impl Picture {
@@ -76,12 +87,15 @@ impl Picture {
         self.counts += rendered.counts;
         self.filter += rendered.filter;
         self.tiles += 1;
+        self.samples.add_pixels(u64::from(tile.width * tile.height), rendered.samples);
     }
 }
 
 /// A finished tile.
 struct RenderedTile {
     film: Film,
+    /// Of each pixel.
+    samples: u32,
     counts: RayCounts,
     errors: ErrorSums,
     /// Time spent on turning samples into pixels; zero unless it is measured.
@@ -129,11 +143,32 @@ impl<'a> TileRenderer<'a> {
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         let mut pixels = Vec::with_capacity(places.len());
         places.chunks(pixels_at_once).for_each(|places| self.resolve(places, &mut pixels));
+        self.finished(tile, &pixels, rays_a_pixel as u32)
+    }
+
+    /// Renders a tile through which nothing but a background of one colour is seen, with one sample a pixel.
+    fn fill(&mut self, tile: &Tile) -> RenderedTile {
+        let places = tile.pixels().map(|corner| self.maker.corner(corner));
+        self.places.clear();
+        self.places.extend(places);
+        self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
+        debug_assert!(self.seen.iter().all(|seen| seen.depth.is_none()), "it is empty");
+        // Summed up like any other pixel, because sums round.
+        let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
+        let pixel = self.mean_of(&vec![self.seen[0]; rays_a_pixel]);
+        let pixels = vec![pixel; self.seen.len()];
+        self.errors.add_exact(pixels.len() as u64);
+        self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
+        self.finished(tile, &pixels, 1)
+    }
+
+    fn finished(&mut self, tile: &Tile, pixels: &[Pixel], samples: u32) -> RenderedTile {
         let mut film = Film::new(tile.width, tile.height, self.planes);
-        store(&pixels, &mut film);
+        store(pixels, &mut film);
         film.set_variances(self.variances.drain(..));
         RenderedTile {
             film,
+            samples,
             counts: self.tracer.take_counts(),
             errors: std::mem::take(&mut self.errors),
             filter: std::mem::take(&mut self.filter),
@@ -160,19 +195,23 @@ impl<'a> TileRenderer<'a> {
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
     }
 
-    /// Makes one pixel of the picture of everything that its rays saw: with `-jitter` the mean of the samples of each
-    /// pixel of the traced grid, with `-filter` the filtered block of these pixels.
+    /// Makes one pixel of the picture of everything that its rays saw.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
-        let samples = self.options.samples();
-        let mut grid_pixels = seen
-            .chunks(samples as usize)
-            .map(|seen| average(seen.iter().map(|seen| self.maker.displayed(seen).sanitized()), samples));
-        let mean =
-            if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() };
+        let mean = self.mean_of(seen);
         if let Some(kind) = self.kind {
             self.add_error(kind, seen, mean.color);
         }
         mean
+    }
+
+    /// Returns with `-jitter` the mean of the samples of each pixel of the traced grid, with `-filter` the filtered block
+    /// of these pixels.
+    fn mean_of(&self, seen: &[Seen]) -> Pixel {
+        let samples = self.options.samples();
+        let mut grid_pixels = seen
+            .chunks(samples as usize)
+            .map(|seen| average(seen.iter().map(|seen| self.maker.displayed(seen).sanitized()), samples));
+        if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
     }
 
     /// Adds the error of a pixel of the picture with this mean colour.
