@@ -57,6 +57,7 @@ pub fn render(
         plan,
         options,
         maker: &maker,
+        empty: &empty,
         kind,
         deadline,
         tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan, halves, empty.contain(&tile)))).collect(),
@@ -81,6 +82,7 @@ struct Picture<'a> {
     plan: &'a Plan,
     options: &'a Options,
     maker: &'a RayMaker,
+    empty: &'a EmptyTiles,
     kind: SetKind,
     /// No work is begun after this time, and what is under way is thrown away.
     deadline: Deadline,
@@ -109,7 +111,7 @@ impl Picture<'_> {
         }
         let tracer = || tracer(self.scene, self.plan, self.deadline);
         let size = (self.options.width, self.options.height);
-        let Some((variances, counts)) = pilot::variances(size, self.maker, tracer) else { return };
+        let Some((variances, counts)) = pilot::variances(size, self.maker, self.empty, tracer) else { return };
         self.pilot = Some(counts);
         let order = self.options.measure.sampler.convergence_order();
         let mut allocation = Allocation::new(&variances, self.options.width as usize, order);
@@ -223,17 +225,14 @@ impl Picture<'_> {
         }
     }
 
-    /// Takes the one sample that a pixel needs which sees nothing but a background of one colour.
+    /// Fills a tile through which nothing but a background of one colour is seen: one ray shows it.
     fn fill_tile(&self, tracer: &mut dyn Tracer, tile: &mut TileSamples) {
         if tile.samples[0] == 0 {
-            let places: Vec<_> = tile.tile.pixels().map(|corner| self.maker.corner(corner)).collect();
             let mut seen = Vec::new();
-            tracer.trace(self.maker.grid, &places, &mut seen);
-            debug_assert!(seen.iter().all(|seen| seen.depth.is_none()), "it is empty");
-            let pixels = seen.iter().map(|seen| self.maker.displayed(seen).sanitized());
-            pixels.enumerate().for_each(|(index, pixel)| tile.set_exact(index, &pixel));
+            tracer.trace(self.maker.grid, &[self.maker.corner((tile.tile.x, tile.tile.row))], &mut seen);
+            debug_assert!(seen[0].depth.is_none(), "it is empty");
+            tile.fill(&self.maker.displayed(&seen[0]).sanitized());
             tile.counts += tracer.take_counts();
-            tile.update_errors();
         }
     }
 

@@ -3,6 +3,7 @@
 //! The corner of every pixel is traced, which is what the plain picture shows. So a pixel sees its four corners, and each
 //! ray serves four pixels: one ray a pixel finds every edge that a pixel's width does not hide.
 
+use super::empty_tiles::EmptyTiles;
 use super::rays::RayMaker;
 use super::tiles::Tile;
 use super::tracer::Tracer;
@@ -26,15 +27,22 @@ struct Corners {
 pub fn variances<'a>(
     (width, height): (u32, u32),
     maker: &RayMaker,
+    empty: &EmptyTiles,
     tracer: impl Fn() -> Box<dyn Tracer + 'a> + Sync + Send,
 ) -> Option<(Vec<f32>, RayCounts)> {
     let columns = width as usize + 1;
     let bytes = vec![[0; 3]; columns * (height as usize + 1)];
     let corners = Mutex::new(Corners { columns, bytes, counts: RayCounts::default() });
     let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, tile: Tile| {
-        let places: Vec<_> = tile.pixels().map(|corner| maker.corner(corner)).collect();
+        // One ray is enough where all corners see nothing but a background of one colour.
+        let is_empty = empty.contain(&tile);
+        let count = if is_empty { 1 } else { (tile.width * tile.height) as usize };
+        let places: Vec<_> = tile.pixels().take(count).map(|corner| maker.corner(corner)).collect();
         let mut seen = Vec::new();
         let is_whole = tracer.trace(maker.grid, &places, &mut seen);
+        if is_empty {
+            seen.resize((tile.width * tile.height) as usize, seen[0]);
+        }
         // A poisoned lock means that another thread has panicked; that panic will be reported.
         if let Ok(mut corners) = corners.lock() {
             corners.set(tile, &seen);

@@ -109,16 +109,14 @@ impl TileSamples {
         }
     }
 
-    /// Sets the one sample of a pixel of an empty tile.
-    pub fn set_exact(&mut self, index: usize, pixel: &Pixel) {
-        self.samples[index] = 1;
-        if let Some(colors) = self.colors.get_mut(index) {
-            *colors = [pixel.color * 0.5; 2];
-            self.errors.see(pixel.color);
-        }
-        if let Some(others) = self.others.get_mut(index) {
-            *others = *pixel;
-        }
+    /// Sets what every pixel of an empty tile shows.
+    pub fn fill(&mut self, pixel: &Pixel) {
+        self.samples.fill(1);
+        self.colors.fill([pixel.color * 0.5; 2]);
+        self.others.fill(*pixel);
+        self.variances.fill(0.0);
+        self.errors.see(pixel.color);
+        self.errors.add_exact(self.samples.len() as u64);
     }
 
     /// Returns the mean of all samples of a pixel.
@@ -143,10 +141,6 @@ impl TileSamples {
     /// Estimates the errors of all pixels anew.
     pub fn update_errors(&mut self) {
         self.errors.clear();
-        if self.is_empty {
-            self.errors.add_exact(self.samples.len() as u64);
-            return self.variances.fill(0.0);
-        }
         for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
             let factor = match self.halves {
                 Halves::Independent => 1.0,

@@ -146,17 +146,16 @@ impl<'a> TileRenderer<'a> {
         self.finished(tile, &pixels, rays_a_pixel as u32)
     }
 
-    /// Renders a tile through which nothing but a background of one colour is seen, with one sample a pixel.
+    /// Renders a tile through which nothing but a background of one colour is seen: one ray shows it.
     fn fill(&mut self, tile: &Tile) -> RenderedTile {
-        let places = tile.pixels().map(|corner| self.maker.corner(corner));
         self.places.clear();
-        self.places.extend(places);
+        self.places.push(self.maker.corner((tile.x, tile.row)));
         self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
-        debug_assert!(self.seen.iter().all(|seen| seen.depth.is_none()), "it is empty");
+        debug_assert!(self.seen[0].depth.is_none(), "it is empty");
         // Summed up like any other pixel, because sums round.
         let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
         let pixel = self.mean_of(&vec![self.seen[0]; rays_a_pixel]);
-        let pixels = vec![pixel; self.seen.len()];
+        let pixels = vec![pixel; (tile.width * tile.height) as usize];
         self.errors.add_exact(pixels.len() as u64);
         self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
         self.finished(tile, &pixels, 1)

@@ -3,6 +3,7 @@
 
 use crate::support::{Folder, Run, SCENE, TRIANGLE};
 use rustix::process::{Pid, Signal, kill_process};
+use std::io::Read as _;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -122,8 +123,11 @@ fn an_interrupted_measurement_ends_with_its_best_picture() {
 #[test]
 fn ignored_signals_stay_ignored() {
     let folder = folder_with_scene();
-    let line = format!("trap '' HUP; exec '{}' {ARGUMENTS}", env!("CARGO_BIN_EXE_a2"));
-    let child = Command::new("bash").args(["-c", &line]).current_dir(folder.path(".")).spawn().unwrap();
+    let line = format!("trap '' HUP; echo; exec '{}' {ARGUMENTS}", env!("CARGO_BIN_EXE_a2"));
+    let mut bash = Command::new("bash");
+    let mut child = bash.args(["-c", &line]).current_dir(folder.path(".")).stdout(Stdio::piped()).spawn().unwrap();
+    // Before that line, the shell would not survive.
+    child.stdout.take().unwrap().read_exact(&mut [0]).unwrap();
     for _ in 0..20 {
         std::thread::sleep(Duration::from_millis(2));
         send(&child, Signal::HUP);
