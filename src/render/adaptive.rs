@@ -121,11 +121,11 @@ impl Picture<'_> {
             let Some(estimate) = self.estimate() else { return };
             allocation.calibrate(estimate.seen.powi(2));
             if self.passes > 1 {
+                if allocation.expected() + EXPECTED * estimate.unseen.powi(2) <= aim {
+                    return;
+                }
                 allocation.refine(&self.sample_variances(order), size.0 as usize);
                 allocation.calibrate(estimate.seen.powi(2));
-            }
-            if self.passes > 1 && allocation.expected() + EXPECTED * estimate.unseen.powi(2) <= aim {
-                return;
             }
             let pixels = u64::from(size.0) * u64::from(size.1);
             let unseen = |floor: u32| Unseen { samples: floor + 1, pixels };

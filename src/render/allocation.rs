@@ -98,7 +98,8 @@ impl Allocation {
 
     fn set_variances(&mut self, variances: &[f32]) {
         let weight_of_doubling = STEPS as f32 / (1.0 + self.order) as f32;
-        let step = |variance: &f32| (weight_of_doubling * (variance.log2() - LEAST_VARIANCE_LOG2) + 0.5) as u8;
+        let least = LEAST_VARIANCE_LOG2.exp2();
+        let step = |variance: &f32| (weight_of_doubling * (variance / least).max(1.0).log2() + 0.5) as u8;
         self.steps = variances.par_iter().map(step).collect();
         let mut pixels = [0u32; 256];
         self.steps.iter().for_each(|&step| pixels[usize::from(step)] += 1);
