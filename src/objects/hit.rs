@@ -2,8 +2,8 @@
 
 use vecmath::Real;
 
-/// Upper limit of t, exclusive: the starter begins its search for the nearest hit at the largest `f32`.
-pub const T_MAX: Real = f32::MAX as Real;
+/// Upper limit of t, exclusive: infinity, of a ray along a plane, is a miss.
+pub const T_MAX: Real = Real::MAX;
 
 /// Where a ray meets one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -22,14 +22,14 @@ pub use mesh::Mesh;
 pub use object::Object;
 pub use plane::Plane;
 pub use ray::{PreparedRay, Ray};
-pub use sphere::Sphere;
+pub use sphere::{ExtremeSphere, Sphere};
 pub use surface_point::SurfacePoint;
 pub use transform::Transform;
 pub(crate) use triangle::{Crossing, ShearAxes, box_interval};
 pub use triangle::{Triangle, intersect_triangle};
 
 use surface_point::NearestPoint;
-use vecmath::{Real, Vector3};
+use vecmath::{Matrix4, Real, Vector3, exponent, is_unusual};
 
 /// A shape that formulas describe: a ray has one nearest t, a point has one normal.
 ///
@@ -61,6 +61,7 @@ pub trait Surface {
 #[derive(Clone, Debug)]
 pub enum Shape {
     Sphere(Sphere),
+    ExtremeSphere(ExtremeSphere),
     Plane(Plane),
     Triangle(Triangle),
     /// Index into the scene's meshes.
@@ -72,6 +73,7 @@ macro_rules! match_surface {
     ($shape:expr, $surface:ident => $body:expr, $($rest:tt)*) => {
         match $shape {
             $crate::objects::Shape::Sphere($surface) => $body,
+            $crate::objects::Shape::ExtremeSphere($surface) => $body,
             $crate::objects::Shape::Plane($surface) => $body,
             $($rest)*
         }
@@ -94,6 +96,34 @@ impl Shape {
         match self {
             Self::Plane(plane) => (plane.shading_normal.length() - 1.0).abs() < 4.0 * Real::EPSILON,
             _ => true,
+        }
+    }
+
+    /// Returns the same shape in the space of the same matrix, or in a space of its own, so that no product in its test
+    /// leaves the range of numbers. Powers of two change no bit of a hit.
+    #[must_use]
+    pub fn within_range(self, world_from_object: Option<Matrix4>) -> (Self, Option<Matrix4>) {
+        match self {
+            Self::Sphere(sphere) => {
+                let columns = world_from_object.map(|matrix| matrix.linear().columns);
+                let is_scaled = columns.is_some_and(|columns| columns.iter().any(|c| is_unusual(c.max_abs())));
+                let is_extreme = is_unusual(sphere.radius) || is_scaled;
+                let shape = if is_extreme { Self::ExtremeSphere(ExtremeSphere(sphere)) } else { self };
+                (shape, world_from_object)
+            }
+            Self::Triangle(Triangle { corners, .. }) => {
+                let size = corners.iter().fold(0.0, |size: Real, corner| size.max(corner.max_abs()));
+                if !is_unusual(size) {
+                    return (self, world_from_object);
+                }
+                // Not so far that the inverse of the matrix overflows.
+                let exponent = exponent(size).clamp(10 - Real::MAX_EXP, Real::MAX_EXP - 10);
+                let own = Matrix4::scaling(Vector3::splat(1.0).scaled(exponent));
+                let corners = corners.map(|corner| corner.scaled(-exponent));
+                let matrix = world_from_object.map_or(own, |matrix| matrix * own);
+                (Self::Triangle(Triangle::new(corners)), Some(matrix))
+            }
+            _ => (self, world_from_object),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::surface_point::{NearestPoint, across};
 use super::{Aabb, Ray, Surface};
-use vecmath::{Real, UNIT_ROUNDOFF, Vector3};
+use vecmath::{Real, UNIT_ROUNDOFF, Vector3, exponent, scaled};
 
 /// The points at distance `radius` from `center`.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +68,37 @@ impl Surface for Sphere {
 
     fn bounds(&self) -> Option<Aabb> {
         Some(Aabb { min: self.center, max: self.center }.grown(self.radius))
+    }
+}
+
+/// A sphere, or a transform of one, whose size [is unusual](vecmath::is_unusual), so that products may leave the
+/// range of numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtremeSphere(pub Sphere);
+
+impl Surface for ExtremeSphere {
+    const NORMALIZES: bool = true;
+
+    /// Does what [`Sphere::intersect`] does, with radius and direction scaled to about 1 by powers of two.
+    fn intersect(&self, ray: &Ray) -> Option<Real> {
+        let Sphere { center, radius } = self.0;
+        let (size, speed) = (exponent(radius), exponent(ray.direction.max_abs()));
+        let unit = Sphere { center: Vector3::ZERO, radius: scaled(radius, -size) };
+        let origin = (ray.origin - center).scaled(-size);
+        let t = unit.intersect(&Ray { origin, direction: ray.direction.scaled(-speed) })?;
+        Some(scaled(t, size - speed)).filter(|t| *t > 0.0)
+    }
+
+    fn gradient(&self, point: Vector3) -> Vector3 {
+        self.0.gradient(point)
+    }
+
+    fn nearest_point(&self, near: Vector3) -> NearestPoint {
+        self.0.nearest_point(near)
+    }
+
+    fn bounds(&self) -> Option<Aabb> {
+        self.0.bounds()
     }
 }
 

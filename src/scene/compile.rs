@@ -4,13 +4,13 @@
 
 use super::file_path::{self, FilePath};
 use super::hints::Hints;
+use super::lights::lights;
 use super::obj::{self, MeshFile};
 use super::{Background, Geometry, Scene};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText, Span, cut_short};
 use crate::input::read_whole;
-use crate::light::Light;
 use crate::memory::Budget;
 use crate::objects::{Mesh, Object, Shape, Transform};
 use crate::plan::Plan;
@@ -19,7 +19,7 @@ use crate::timing::{Times, timed};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use vecmath::{Matrix4, Real, Vector3};
+use vecmath::{Matrix4, Real, Vector3, is_unusual};
 
 /// Largest mesh file that is read. A triangle takes two bytes at least, so their numbers fit into 32 bits.
 const MAX_MESH_BYTES: u64 = 4 << 30;
@@ -33,7 +33,7 @@ const MEMORY_FOR_AN_UNUSUAL_BYTE: u64 = 4;
 #[derive(Debug)]
 pub struct Compiled {
     pub scene: Scene,
-    /// The files of its meshes, in their order.
+    /// The files of its meshes.
     pub mesh_files: Vec<MeshFile>,
     pub warnings: Vec<String>,
     /// The time it took to build trees.
@@ -49,7 +49,6 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let mut warnings = Vec::new();
     let camera = camera(description)?;
-    let (lights, ambient_light) = lights(description, plan, &mut warnings);
     let cube_map = match &description.background.cube_map {
         Some(name) if plan.cube_map => Some(cube_map(source, folder, name, &mut warnings)?),
         _ => None,
@@ -65,9 +64,12 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         budget,
         hints: Hints::default(),
         warnings,
+        is_usual: !is_unusual(camera.center.max_abs()),
+        eye: camera.center,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, mesh_files, hints, mut warnings, .. } = flattened;
+    let Flattened { objects, meshes, mesh_files, hints, mut warnings, is_usual, .. } = flattened;
+    let (lights, ambient_light) = lights(description, plan, is_usual, &mut warnings);
     hints.finish(plan, &objects, source, &mut warnings);
     let (geometry, build) = timed(|| Geometry::new(objects, meshes, plan.simd));
     let materials = description.materials.clone();
@@ -128,28 +130,6 @@ fn camera(description: &Description) -> Result<Camera, Error> {
     })
 }
 
-/// Returns the lights of the plan and the ambient light.
-fn lights(description: &Description, plan: &Plan, warnings: &mut Vec<String>) -> (Vec<Light>, Vector3) {
-    let mut lights = Vec::new();
-    for (index, light) in description.lights.iter().enumerate() {
-        if light.value.is_infinite() {
-            warnings.push(format!(
-                "{}: this PointLight has no falloff, so its light is infinite",
-                description.source.location(light.span)
-            ));
-        }
-        if plan.lights.contains(&index) {
-            lights.push(light.value.clone());
-        }
-    }
-    if description.lights.is_empty() {
-        let path = description.source.path.display();
-        warnings.push(format!("{path}: the scene has no lights: ambient light becomes 1 1 1"));
-        return (lights, Vector3::splat(1.0));
-    }
-    (lights, description.background.ambient_light)
-}
-
 /// Flattens the tree of objects to a list.
 struct Flattened<'a> {
     source: &'a Arc<SourceText>,
@@ -163,6 +143,9 @@ struct Flattened<'a> {
     mesh_files: Vec<MeshFile>,
     budget: &'a mut Budget,
     warnings: Vec<String>,
+    /// Whether no size in the scene [is unusual](is_unusual).
+    is_usual: bool,
+    eye: Vector3,
 }
 
 impl Flattened<'_> {
@@ -197,7 +180,8 @@ impl Flattened<'_> {
     }
 
     fn add_leaf(&mut self, leaf: &Leaf, world_from_object: Option<&Matrix4>) -> Result<(), Error> {
-        let shape = self.shape(leaf)?;
+        let (shape, matrix) = self.shape(leaf)?.within_range(world_from_object.copied());
+        let world_from_object = matrix.as_ref();
         let bounds = shape.bounds(&self.meshes);
         if bounds.is_some_and(|bounds| bounds.is_empty()) {
             return Ok(());
@@ -214,7 +198,10 @@ impl Flattened<'_> {
             })?)),
         };
         self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
-        self.objects.push(Object::new(shape, transform, leaf.material, bounds.as_ref()));
+        let object = Object::new(shape, transform, leaf.material, bounds.as_ref());
+        self.hints.note_too_thin(leaf.span, &object, self.eye);
+        self.is_usual &= object.bounds.is_none_or(|bounds| !is_unusual(bounds.max_abs()));
+        self.objects.push(object);
         Ok(())
     }
 

@@ -5,10 +5,10 @@
 
 use super::obj::others;
 use crate::error::{SourceText, Span};
-use crate::objects::{Aabb, Object, Shape, T_MAX};
+use crate::objects::{Aabb, ExtremeSphere, Object, Shape};
 use crate::options::Epsilon;
 use crate::plan::Plan;
-use vecmath::{Matrix4, Real, Vector3};
+use vecmath::{Matrix4, Real, UNIT_ROUNDOFF, Vector3};
 
 /// For each kind of warning, the first object concerned and their number.
 #[derive(Default)]
@@ -17,7 +17,7 @@ pub(super) struct Hints {
     thin_walls: Found,
     nearly_singular: Found,
     without_area: Found,
-    too_far: Found,
+    too_thin: Found,
 }
 
 #[derive(Default)]
@@ -45,6 +45,10 @@ impl Found {
 const SIZES: std::ops::RangeInclusive<Real> = 1.0..=1e5;
 /// Twice the ray offset. Rays that leave one side of a thinner wall may start on its other side.
 const THIN: Real = 0.02;
+/// Share of its distance that an object spans if it is seen at all.
+const SEEN: Real = 1e-6;
+/// Rounding error, in radii of a sphere, with which its picture is lost.
+const LOST: Real = 1e-3;
 /// Condition number from which half of the digits of an `f64` are lost.
 const NEARLY_SINGULAR: Real = 1e8;
 
@@ -71,10 +75,6 @@ impl Hints {
                 });
             }
         }
-        let reach = bounds.map_or(0.0, |bounds| bounds.size().max_abs());
-        if reach > T_MAX {
-            self.too_far.add(place, || format!("this object reaches beyond {:.1e}", T_MAX as f64));
-        }
         let thickness = bounds.map_or(Real::INFINITY, |bounds| thickness(shape, bounds, matrix));
         if thickness < THIN {
             self.thin_walls.add(place, || {
@@ -83,23 +83,44 @@ impl Hints {
         }
     }
 
+    /// Notes a sphere that is flattened so much that rays from `eye` hit or miss it by rounding only. The test of a sphere
+    /// has some 16 roundings of the distance in object space.
+    pub fn note_too_thin(&mut self, place: Span, object: &Object, eye: Vector3) {
+        let (Some(transform), Some(bounds)) = (&object.transform, &object.bounds) else { return };
+        let (Shape::Sphere(sphere) | Shape::ExtremeSphere(ExtremeSphere(sphere))) = &object.shape else { return };
+        let distance =
+            (transform.object_from_world.transform_point(eye) - sphere.center).max_abs() / sphere.radius;
+        let is_seen = bounds.size().max_abs() > SEEN * (eye - bounds.center()).max_abs();
+        if is_seen && 16.0 * UNIT_ROUNDOFF * distance > LOST {
+            self.too_thin.add(place, || {
+                format!("this sphere is flattened to {:.1e} of its distance", 1.0 / distance as f64)
+            });
+        }
+    }
+
     /// Adds the warnings that matter for the pictures of `plan`.
     pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, warnings: &mut Vec<String>) {
         warnings.extend(self.without_area.sentence(source, ""));
         warnings.extend(self.nearly_singular.sentence(source, ""));
+        warnings
+            .extend(self.too_thin.sentence(source, ": rays hit or miss it by rounding; two triangles are exact"));
         if !plan.robust && (plan.color || plan.normals) {
             warnings.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
         }
-        warnings.extend(self.too_far.sentence(source, ": no hit is farther along a ray than that"));
-        if plan.epsilon == Epsilon::Along(0.0) && (plan.shadows || plan.bounces > 0) {
-            warnings.push(
-                "with -epsilon 0 rays hit the surface that they leave: -epsilon auto does without".to_owned(),
-            );
-        }
-        if plan.epsilon != Epsilon::default() || !(plan.shadows || plan.bounces > 0) {
+        if !plan.shadows && plan.bounces == 0 {
             return;
         }
         let bounds = objects.iter().filter_map(|object| object.bounds).fold(Aabb::EMPTY, |a, b| a.union(&b));
+        if let Epsilon::Along(epsilon) = plan.epsilon
+            && (epsilon == 0.0 || !bounds.is_empty() && epsilon < f64::from(UNIT_ROUNDOFF * bounds.max_abs()))
+        {
+            warnings.push(format!(
+                "with -epsilon {epsilon} rays hit the surface that they leave: -epsilon auto does without"
+            ));
+        }
+        if plan.epsilon != Epsilon::default() {
+            return;
+        }
         let size = bounds.size().max_abs();
         if !bounds.is_empty() && !SIZES.contains(&size) {
             let (path, what) = (source.path.display(), if size < 1.0 { "small" } else { "large" });

@@ -7,6 +7,7 @@ mod compile;
 mod file_path;
 mod geometry;
 mod hints;
+mod lights;
 mod obj;
 mod object_tree;
 mod queries;

@@ -7,6 +7,7 @@
 
 mod acne;
 mod exact;
+mod extremes;
 mod input;
 mod leaks;
 mod pictures;

@@ -84,13 +84,15 @@ fn rays_of_nan_and_infinity_hit_nothing() {
 }
 
 #[test]
-fn nothing_is_hit_beyond_the_largest_f32() {
+fn a_hit_counts_at_any_distance_that_is_a_number() {
     for mode in modes() {
         let studio = Studio::new(&objects("Plane { normal 0 1 0 offset -1 }"), mode.flags).at(mode);
-        // Just below and just above the largest f32, where the starter's search for the nearest hit begins.
         let t = |slope: f64| studio.t(&ray([0.0, 0.0, 0.0], [1.0, -slope, 0.0]));
         check_that("hit at a distance of 3.3e38: counts", t(1.0 / 3.3e38).is_some());
-        check_that("hit at a distance of 3.5e38: does not", t(1.0 / 3.5e38).is_none());
+        // Beyond the largest f32, where the starter's search for the nearest hit begins.
+        check_that("hit at a distance of 3.5e38: counts", t(1.0 / 3.5e38).is_some());
+        check_that("hit at a distance of 1e307: counts", t(1e-307).is_some());
+        check_that("hit at a distance beyond all numbers: does not", t(1e-320).is_none());
     }
 }
 

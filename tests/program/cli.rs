@@ -225,10 +225,21 @@ fn negative_numbers_are_no_flags() {
 #[test]
 fn what_gives_strange_pictures_is_warned_about() {
     let folder = Folder::new();
-    folder.write("s.txt", SCENE).write("far.txt", SCENE.replace(TRIANGLE, "Sphere { center 0 0 0 radius 1e39 }"));
-    let run = folder.a2("-input far.txt -output o.png -robust");
-    assert!(run.stderr.contains("this object reaches beyond 3.4e38"), "{}", run.stderr);
-    let run = folder.a2("-input s.txt -output o.png -shadows -epsilon 0");
-    assert!(run.stderr.contains("with -epsilon 0 rays hit the surface that they leave"), "{}", run.stderr);
-    assert_eq!(folder.a2("-input s.txt -output o.png -epsilon 0").stderr, "");
+    folder.write("s.txt", SCENE);
+    for (scale, is_lost) in [("1e-6", false), ("1e-20", true)] {
+        let sphere = format!("Transform {{ Scale 1 1 {scale} Sphere {{ center 0 0 0 radius 1 }} }}");
+        folder.write("thin.txt", SCENE.replace(TRIANGLE, &sphere));
+        let run = folder.a2("-input thin.txt -output o.png");
+        assert_eq!(run.stderr.contains("this sphere is flattened to"), is_lost, "{}", run.stderr);
+    }
+    // The scene is 2 across, so that its rounding is about 1e-16.
+    for (epsilon, is_lost) in [("0", true), ("1e-20", true), ("1e-9", false)] {
+        let run = folder.a2(&format!("-input s.txt -output o.png -shadows -epsilon {epsilon}"));
+        assert_eq!(run.stderr.contains("rays hit the surface that they leave"), is_lost, "{}", run.stderr);
+        assert_eq!(folder.a2(&format!("-input s.txt -output o.png -epsilon {epsilon}")).stderr, "");
+    }
+    let light = "DirectionalLight { direction 0 0 -1 color 1.7e308 0 0 }";
+    folder.write("bright.txt", SCENE.replace(LIGHT, light));
+    let run = folder.a2("-input bright.txt -output o.png");
+    assert!(run.stderr.contains("bright.txt:2:22: this light is brighter than numbers go"), "{}", run.stderr);
 }

@@ -115,7 +115,7 @@ impl Reference<'_> {
     ) -> Vector3 {
         let (to_light, distance, intensity) = match light {
             Light::Directional { to_light, color } => (*to_light, f64::INFINITY, *color),
-            Light::Point { position, color, falloff } => {
+            Light::Point { position, color, falloff } | Light::ExtremePoint { position, color, falloff, .. } => {
                 let offset = *position - point;
                 let squared = offset.length_squared();
                 (offset.normalized(), squared.sqrt(), *color * (1.0 / (falloff * squared)))
@@ -181,7 +181,9 @@ impl Reference<'_> {
                 let [a, b, c] = *corners;
                 Some((t, (b - a).cross(c - a).normalized()))
             }
-            LeafShape::Shape(Shape::Mesh(_)) => unreachable!("a mesh is a file in the text of a scene"),
+            LeafShape::Shape(Shape::ExtremeSphere(_) | Shape::Mesh(_)) => {
+                unreachable!("not in the text of a scene")
+            }
             LeafShape::Mesh(obj_file) => {
                 let (vertices, faces, normals) = &self.meshes[&obj_file.value];
                 let mut nearest: Option<(f64, Vector3)> = None;

@@ -23,6 +23,23 @@ pub type Real = f32;
 /// Algorithms, 2002, section 2.1).
 pub const UNIT_ROUNDOFF: Real = Real::EPSILON / 2.0;
 
+/// Returns the exponent e of a number, with 2^(e - 1) <= |x| < 2^e. It is 0 for zero and for what is not finite.
+pub fn exponent(x: Real) -> i32 {
+    libm::frexp(x as f64).1
+}
+
+/// Returns x 2^exponent, without rounding where the result is in the normal range.
+pub fn scaled(x: Real, exponent: i32) -> Real {
+    libm::scalbn(x as f64, exponent) as Real
+}
+
+/// Returns whether a number other than zero is so large or small that its fourth power may leave the range of numbers.
+pub fn is_unusual(x: Real) -> bool {
+    /// Less than a quarter of the largest exponent, so that sums of a few fourth powers fit too.
+    const LARGEST_USUAL: i32 = Real::MAX_EXP / 4 - 6;
+    exponent(x).abs() > LARGEST_USUAL
+}
+
 /// Returns the greater of two numbers, or `a` if one of them is NaN. Unlike `Real::max`, it is one instruction.
 #[inline(always)]
 pub fn greater(a: Real, b: Real) -> Real {

@@ -1,6 +1,6 @@
 //! [`Vector2`], [`Vector3`] and [`Vector4`]: named components and their arithmetic.
 
-use crate::Real;
+use crate::{Real, exponent, scaled};
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
 
 /// Implements the arithmetic that is the same, component by component, for every length.
@@ -217,13 +217,33 @@ impl Vector3 {
         Some(scaled / scaled.length())
     }
 
-    /// Returns the unit vector of the same direction; zero stays zero.
+    /// Returns the unit vector of the same direction; zero stays zero. A vector that is scaled by a power of two has the
+    /// same one, to the last bit.
     #[inline]
     pub fn normalized(self) -> Self {
         match self.is_usual() {
             true => self / self.length(),
-            false => self.try_normalized().unwrap_or(Self::ZERO),
+            false => self.direction_and_length().0,
         }
+    }
+
+    /// Returns the unit vector of the same direction and the length, also where squares of components leave the range of
+    /// numbers. Zero, and what is not finite, has no direction: then both are zero.
+    #[inline(never)]
+    pub fn direction_and_length(self) -> (Self, Real) {
+        if !self.is_finite() || self == Self::ZERO {
+            return (Self::ZERO, 0.0);
+        }
+        let exponent = exponent(self.max_abs());
+        let vector = self.scaled(-exponent);
+        let length = vector.length();
+        (vector / length, scaled(length, exponent))
+    }
+
+    /// Returns the vector times 2^exponent, without rounding where the result is in the normal range.
+    #[must_use]
+    pub fn scaled(self, exponent: i32) -> Self {
+        self.map(|component| scaled(component, exponent))
     }
 
     /// Returns whether the squared length stays in the normal range, so that the vector can be normalised without
@@ -270,6 +290,18 @@ mod tests {
         for scale in [tiny, 1e-30, 1.0, 1e30, huge] {
             let unit = Vector3::new(scale, -scale, scale).normalized();
             assert!((unit.length() - 1.0).abs() < 4.0 * Real::EPSILON, "{scale}");
+        }
+    }
+
+    #[test]
+    fn a_power_of_two_changes_no_bit_of_a_unit_vector() {
+        let vector = Vector3::new(0.3, -0.7, 0.2);
+        let (unit, length) = (vector.normalized(), vector.length());
+        let far = Real::MAX_EXP - 2;
+        for exponent in [-far, -far / 2, 0, far / 2, far] {
+            let (direction, scaled_length) = vector.scaled(exponent).direction_and_length();
+            assert_eq!((direction, scaled_length), (unit, scaled(length, exponent)), "2^{exponent}");
+            assert_eq!(vector.scaled(exponent).normalized(), unit, "2^{exponent}");
         }
     }
 
