@@ -1,6 +1,6 @@
 //! [`Camera`]: makes the ray through a place in the picture.
 
-use crate::objects::Ray;
+use crate::objects::{Aabb, Ray};
 use vecmath::{Real, Vector3};
 
 /// A pinhole camera.
@@ -54,6 +54,20 @@ impl Camera {
             (to_point.dot(self.up.cross(self.forward)), to_point.dot(self.forward.cross(self.horizontal)));
         let is_before = along / self.forward.dot(normal) > 1e-6 * to_point.length() / self.forward.length();
         is_before.then_some((across.0 / along, across.1 / along))
+    }
+
+    /// Returns whether a part of a box may lie in the picture, without the half pixels beyond its border.
+    pub fn may_see(&self, bounds: &Aabb) -> bool {
+        let normals =
+            [self.up.cross(self.forward), self.forward.cross(self.horizontal), self.horizontal.cross(self.up)];
+        let volume = self.forward.dot(normals[2]);
+        // Where each corner lies: how far to the right, up, and into the picture.
+        let corners = bounds.corners().map(|corner| {
+            let offset = corner - self.center;
+            normals.map(|normal| normal.dot(offset) * volume.signum())
+        });
+        let all = |is_outside: fn(&[Real; 3]) -> bool| corners.iter().all(is_outside);
+        !(all(|c| c[0] > c[2]) || all(|c| c[0] < -c[2]) || all(|c| c[1] > c[2]) || all(|c| c[1] < -c[2]))
     }
 
     /// Returns the direction of that ray before it is normalised.

@@ -145,18 +145,24 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         drop(description);
         compiled
     });
-    let Compiled { scene, mesh_files, warnings, build } = compiled?;
+    let Compiled { scene, mesh_files, left_out, warnings, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
     let (frame, convergence) = rendered;
+    let unmet = mesh_files.iter().filter(|file| scene.geometry.is_unmet(file.mesh));
+    let unmet = unmet.map(|file| format!("the tree of {}: no ray meets its box", file.path.display()));
+    let left_out: Vec<String> = left_out.into_iter().chain(unmet).collect();
+    if options.explain {
+        left_out.iter().for_each(|reason| say(&format!("left out: {reason}\n")));
+    }
     let threads = rayon::current_num_threads();
     Ok(Report {
         decoded_faces: scene.background.decoded_faces()?,
         true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
         phases: Phases::new(parse, loading, build, rendering, frame.filter, threads),
         total: Times::default(),
-        left_out: plan.left_out,
+        left_out: [plan.left_out, left_out].concat(),
         frame,
         mesh_files,
         warnings,

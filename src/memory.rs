@@ -49,6 +49,11 @@ impl Budget {
         self.check("the pictures and meshes", self.pictures.saturating_add(bytes))
     }
 
+    /// Takes back a mesh that turned out to need nothing.
+    pub fn take_back_mesh(&mut self, bytes: u64) {
+        self.meshes = self.meshes.saturating_sub(bytes);
+    }
+
     /// Checks all that was added against `-max-memory`, and what is still to be made against the system's limits.
     fn check(&self, what: &str, coming: u64) -> Result<(), Error> {
         let all = self.pictures.saturating_add(self.meshes);

@@ -105,6 +105,11 @@ impl Plan {
         self.radiance_bound = radiance_bound(description, &self.lights, materials, self.robust);
     }
 
+    /// Returns whether any picture shows the normals of surfaces, by itself or in its colours.
+    pub fn shows_normals(&self) -> bool {
+        self.color || self.normals
+    }
+
     /// Returns the plan as text for the user.
     pub fn explain(&self, options: &Options) -> String {
         let mut text = String::new();

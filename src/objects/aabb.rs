@@ -57,12 +57,16 @@ impl Aabb {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    pub fn corners(&self) -> [Vector3; 8] {
+        std::array::from_fn(|corner| {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            Vector3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
     /// Returns a box around the image of this one.
     pub fn transformed(&self, matrix: &Matrix4) -> Self {
-        Self::of_points((0..8).map(|corner| {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
-            matrix.transform_point(Vector3::new(pick(0), pick(1), pick(2)))
-        }))
+        Self::of_points(self.corners().map(|corner| matrix.transform_point(corner)))
     }
 
     /// Returns the t at which the ray enters the box, grown by `margin`; `None` if it does not enter at a t from 0 to

@@ -11,7 +11,8 @@ pub struct Mesh {
     /// `f32`, because OBJ files are read as `f32`.
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// For each position a unit vector, or zero where the normals of the faces around it cancel out.
+    /// For each position a unit vector, or zero where the normals of the faces around it cancel out. Empty if no picture
+    /// shows them.
     vertex_normals: Vec<Vector3>,
     bounds: Aabb,
 }
@@ -22,10 +23,20 @@ const AT_ONCE: usize = 1 << 16;
 impl Mesh {
     /// Makes a mesh of positions and corner indices, which must be in range.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self::without_normals(positions, triangles).with_normals()
+    }
+
+    /// Makes a mesh that can be hit, and has no normals.
+    pub fn without_normals(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         let bounds = bounds_of(&positions);
-        let mut mesh = Self { positions, triangles, vertex_normals: Vec::new(), bounds };
-        mesh.vertex_normals = mesh.smooth_normals();
-        mesh
+        Self { positions, triangles, vertex_normals: Vec::new(), bounds }
+    }
+
+    /// Returns the mesh with its smooth normals.
+    #[must_use]
+    pub fn with_normals(mut self) -> Self {
+        self.vertex_normals = self.smooth_normals();
+        self
     }
 
     /// Returns for each position the sum of the unit normals of its faces, normalised. All faces count the same,

@@ -66,6 +66,11 @@ impl Transform {
         })
     }
 
+    /// Returns the matrix of which all others are computed.
+    pub fn world_from_object(&self) -> &Matrix4 {
+        &self.world_from_object
+    }
+
     /// Takes a ray to object space. Its direction is not normalised, so that t means the same in both spaces.
     #[inline(always)]
     pub fn ray_to_object(&self, ray: &Ray) -> Ray {

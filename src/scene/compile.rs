@@ -2,11 +2,12 @@
 //!
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
+use super::copies::{KnownFiles, remove_copies};
 use super::file_path::{self, FilePath};
 use super::hints::Hints;
 use super::lights::lights;
 use super::obj::{self, MeshFile};
-use super::{Background, Geometry, Scene};
+use super::{Background, Geometry, LOOP_OBJECTS, Scene};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText, Span, cut_short};
@@ -35,6 +36,8 @@ pub struct Compiled {
     pub scene: Scene,
     /// The files of its meshes.
     pub mesh_files: Vec<MeshFile>,
+    /// What was left out and why, a sentence each.
+    pub left_out: Vec<String>,
     pub warnings: Vec<String>,
     /// The time it took to build trees.
     pub build: Times,
@@ -60,18 +63,29 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         objects: Vec::new(),
         meshes: Vec::new(),
         files: HashMap::new(),
+        known_files: KnownFiles::default(),
         mesh_files: Vec::new(),
         budget,
         hints: Hints::default(),
         warnings,
+        left_out: Vec::new(),
         is_usual: !is_unusual(camera.center.max_abs()),
         eye: camera.center,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { objects, meshes, mesh_files, hints, mut warnings, is_usual, .. } = flattened;
+    let Flattened { mut objects, meshes, mesh_files, hints, mut warnings, mut left_out, is_usual, .. } = flattened;
     let (lights, ambient_light) = lights(description, plan, is_usual, &mut warnings);
     hints.finish(plan, &objects, source, &mut warnings);
-    let (geometry, build) = timed(|| Geometry::new(objects, meshes, plan.simd));
+    if !meshes.is_empty() && !plan.shows_normals() {
+        left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
+    }
+    let copies = if objects.len() > LOOP_OBJECTS { remove_copies(&mut objects) } else { 0 };
+    if copies > 0 {
+        left_out.push(format!("{copies} object(s): an equal one at the same place comes first in the file"));
+    }
+    // Shadow and mirror rays may go anywhere, and the trees that only these meet are built when they do.
+    let is_in_picture = |object: &Object| object.bounds.as_ref().is_none_or(|bounds| camera.may_see(bounds));
+    let (geometry, build) = timed(|| Geometry::for_rays_at(is_in_picture, objects, meshes, plan.simd));
     let materials = description.materials.clone();
     let scene = Scene {
         camera,
@@ -82,7 +96,7 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         materials,
         geometry,
     };
-    Ok(Compiled { scene, mesh_files, warnings, build })
+    Ok(Compiled { scene, mesh_files, left_out, warnings, build })
 }
 
 fn cube_map(
@@ -140,9 +154,11 @@ struct Flattened<'a> {
     meshes: Vec<Mesh>,
     /// Meshes by their file.
     files: HashMap<PathBuf, u32>,
+    known_files: KnownFiles,
     mesh_files: Vec<MeshFile>,
     budget: &'a mut Budget,
     warnings: Vec<String>,
+    left_out: Vec<String>,
     /// Whether no size in the scene [is unusual](is_unusual).
     is_usual: bool,
     eye: Vector3,
@@ -250,6 +266,16 @@ impl Flattened<'_> {
             suggesting(self.source.error(span, message), similar)
         })?;
         let index = self.meshes.len() as u32;
+        if let Some(mesh) = self.known_files.find_or_add(path, &bytes, index) {
+            self.budget.take_back_mesh(MEMORY_FOR_A_BYTE * bytes.len() as u64);
+            if let Some(original) = self.mesh_files.iter().find(|file| file.mesh == mesh) {
+                let names = (path.display(), original.path.display());
+                self.left_out.push(format!("a second mesh for {}: its bytes are those of {}", names.0, names.1));
+                self.mesh_files.push(MeshFile { path: path.to_owned(), ..original.clone() });
+            }
+            self.files.insert(path.to_owned(), mesh);
+            return Ok(mesh);
+        }
         let file = match obj::parse_plain_mesh(path, &bytes) {
             Some(file) => file,
             None => {
@@ -257,9 +283,9 @@ impl Flattened<'_> {
                 obj::parse_any_mesh(path, &bytes)?
             }
         };
-        self.meshes.push(file.mesh);
+        self.meshes.push(if self.plan.shows_normals() { file.mesh.with_normals() } else { file.mesh });
         self.warnings.extend(file.warnings);
-        self.mesh_files.push(MeshFile { path: path.to_owned(), counts: file.counts });
+        self.mesh_files.push(MeshFile { path: path.to_owned(), mesh: index, counts: file.counts });
         self.files.insert(path.to_owned(), index);
         Ok(index)
     }

@@ -4,6 +4,7 @@
 //! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
 mod compile;
+mod copies;
 mod file_path;
 mod geometry;
 mod hints;

@@ -151,7 +151,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         let PacketScratch { hits, surfaces, queries, normals: normal_scratch, .. } = &mut *self.scratch;
         scene.geometry.closest_hits(simd, rays, active, queries, hits);
         let hit = active & !hits.lanes_of(simd, active, HitPacket::NOTHING);
-        let mut rest = if self.plan.color || self.plan.normals { hit } else { 0 };
+        let mut rest = if self.plan.shows_normals() { hit } else { 0 };
         while rest != 0 {
             let index = hits.object[rest.trailing_zeros() as usize % PACKET];
             let of_object = hits.lanes_of(simd, rest, index);

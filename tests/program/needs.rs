@@ -1,6 +1,6 @@
 //! A scene pays only for what it needs: the work that the plan leaves out is really not done.
 
-use crate::support::{Folder, SCENE, options, project};
+use crate::support::{Folder, SCENE, SQUARE_OBJ, TRIANGLE, options, project};
 use a2::measure::Report;
 use a2::memory::Budget;
 
@@ -106,4 +106,117 @@ fn paths_end_when_nothing_can_change_the_colour() {
     let input = folder.path("s.txt").display().to_string();
     let counts = rendered(&input, "-output o.png -bounces 100000").frame.counts;
     assert!((40..100).contains(&(counts.mirror / counts.camera)), "{counts:?}");
+}
+
+/// Renders a scene of the folder, and returns what was left out.
+fn left_out(folder: &Folder, arguments: &str) -> String {
+    rendered(&folder.path("s.txt").display().to_string(), arguments).left_out.join("\n")
+}
+
+#[test]
+fn the_tree_of_a_mesh_is_built_for_the_first_ray_that_meets_its_box() {
+    let folder = Folder::new();
+    folder.write("m.obj", SQUARE_OBJ);
+    let mesh =
+        |at: &str| format!("Transform {{ Translate {at} UniformScale 8 TriangleMesh {{ obj_file m.obj }} }}");
+    // The eye is at z = 10 and looks along -z; a mirror behind the triangle shows what is behind the eye.
+    let mirror = "Plane { normal 0 0 1 offset -5 }";
+    let scene = SCENE.replace("Material { }", "Material { specularColor 1 1 1 }");
+    for (at, objects, arguments, is_unmet) in [
+        ("0 0 0", "", "", false),
+        ("0 0 30", "", "", true),
+        ("0 0 30", "", "-shadows", true),
+        ("90 0 0", "", "", true),
+        ("0 0 30", mirror, "", true),
+        ("0 0 30", mirror, "-bounces 1", false),
+    ] {
+        let objects = format!("{} {objects}", mesh(at));
+        let count = if objects.contains("Plane") { "numObjects 2" } else { "numObjects 1" };
+        folder.write("s.txt", scene.replace(TRIANGLE, &objects).replace("numObjects 1", count));
+        for way in ["-threads 1", "-threads 3", "-plain", "-simd sse2"] {
+            let said = left_out(&folder, &format!("-output o.png {arguments} {way}"));
+            assert_eq!(said.contains("m.obj: no ray meets its box"), is_unmet, "{at} {arguments} {way}: {said}");
+        }
+    }
+    let run = folder.a2("-input s.txt -output o.png -explain");
+    assert!(run.stderr.contains("left out: the tree of m.obj: no ray meets its box"), "{}", run.stderr);
+}
+
+#[test]
+fn a_tree_that_is_built_amid_rendering_changes_no_byte() {
+    // Mirrors show a bunny behind the eye to many tiles at once.
+    let folder = Folder::new();
+    folder.write("m.obj", std::fs::read(project("data/models/bunny_1k.obj")).unwrap());
+    let scene = SCENE
+        .replace("Material { }", "Material { diffuseColor 0.2 0.2 0.2 specularColor 0.8 0.8 0.8 shininess 9 }")
+        .replace(TRIANGLE, "Plane { normal 0 0 1 offset -5 } Transform { Translate 0 0 14 UniformScale 30 TriangleMesh { obj_file m.obj } }")
+        .replace("numObjects 1", "numObjects 2");
+    let picture = |arguments: &str| folder.render(&scene, &format!("-size 200 200 -bounces 3 {arguments}"));
+    let plain = picture("-plain -threads 1");
+    let shades: std::collections::BTreeSet<_> = plain.pixels().map(|pixel| pixel.0).collect();
+    assert!(shades.len() > 20, "{}", shades.len());
+    for threads in [1, 2, 4, 16] {
+        assert!(picture(&format!("-threads {threads}")) == plain, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_depth_picture_makes_no_smooth_normals() {
+    let folder = Folder::new();
+    folder.write("m.obj", SQUARE_OBJ);
+    folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
+    let bytes = |arguments: &str| {
+        let source = a2::scene_file::parse_file(&folder.path("s.txt")).unwrap();
+        let plan = a2::plan::Plan::new(&options(&format!("-input s.txt {arguments}")), &source);
+        let scene = a2::scene::compile(&source, &plan, &mut Budget::default()).unwrap().scene;
+        scene.geometry.meshes[0].bytes()
+    };
+    let (depth, colors) = (bytes("-depth 8 12 d.png"), bytes("-output o.png"));
+    assert_eq!(colors - depth, 4 * size_of::<[vecmath::Real; 3]>());
+    assert_eq!(bytes("-normals n.png"), colors);
+    assert!(left_out(&folder, "-depth 8 12 d.png").contains("the smooth normals of meshes"));
+    assert!(!left_out(&folder, "-normals n.png").contains("the smooth normals of meshes"));
+}
+
+#[test]
+fn equal_objects_at_one_place_are_one() {
+    let folder = Folder::new();
+    let sphere = "Sphere { center 0 0 0 radius 3 }\n";
+    let materials = "numMaterials 2 Material { diffuseColor 1 0 0 } Material { diffuseColor 0 1 0 }";
+    let scene = |objects: &str, count: usize| {
+        let scene = SCENE.replace("numMaterials 1 Material { }", materials).replace(TRIANGLE, objects);
+        scene.replace("numObjects 1", &format!("numObjects {count}"))
+    };
+    let many = format!("{} MaterialIndex 1 {}", sphere.repeat(1000), sphere.repeat(1000));
+    let picture =
+        |folder: &Folder, objects: &str, count| folder.render(&scene(objects, count), "-size 50 50 -shadows");
+    assert!(picture(&folder, &many, 2000) == picture(&folder, sphere, 1));
+    folder.write("s.txt", scene(&many, 2000));
+    let said = left_out(&folder, "-output o.png");
+    assert!(said.contains("1999 object(s): an equal one at the same place comes first"), "{said}");
+}
+
+#[test]
+fn a_copy_of_a_mesh_file_is_read_once() {
+    let folder = Folder::new();
+    let other = SQUARE_OBJ.replace("v 1 1 0", "v 1 2 0");
+    folder
+        .write("a.obj", SQUARE_OBJ)
+        .write("b.obj", SQUARE_OBJ)
+        .write("c.obj", other)
+        .write("d/a.obj", SQUARE_OBJ);
+    let mesh = |name: &str| format!("TriangleMesh {{ obj_file {name} }} ");
+    let meshes: String = ["a.obj", "b.obj", "c.obj", "d/a.obj", "b.obj"].map(mesh).concat();
+    folder.write("s.txt", SCENE.replace(TRIANGLE, &meshes).replace("numObjects 1", "numObjects 5"));
+    let report = rendered(&folder.path("s.txt").display().to_string(), "-output o.png");
+    let of_mesh: Vec<u32> = report.mesh_files.iter().map(|file| file.mesh).collect();
+    assert_eq!(of_mesh, [0, 0, 1, 0]);
+    let said = report.left_out.join("\n");
+    assert!(said.contains("a second mesh for") && said.contains("b.obj: its bytes are those of"), "{said}");
+    // What is read is not written, whatever its name.
+    let run = folder.a2("-input s.txt -output b.obj.png -normals d/a.obj");
+    assert!(
+        run.exit_code != 0 && std::fs::read_to_string(folder.path("d/a.obj")).unwrap() == SQUARE_OBJ,
+        "{run:?}"
+    );
 }

@@ -50,6 +50,8 @@ pub struct MeshCounts {
 #[derive(Clone, Debug)]
 pub struct MeshFile {
     pub path: PathBuf,
+    /// Index of its mesh. A copy of another file has the mesh of that one.
+    pub mesh: u32,
     pub counts: MeshCounts,
 }
 
@@ -110,10 +112,11 @@ impl Faces {
 /// # Errors
 /// [`Error::Source`] for a mistake, at its place; [`Error::File`] for a file that is no OBJ file.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
-    parse_plain_mesh(path, bytes).map_or_else(|| parse_any_mesh(path, bytes), Ok)
+    let file = parse_plain_mesh(path, bytes).map_or_else(|| parse_any_mesh(path, bytes), Ok)?;
+    Ok(ObjFile { mesh: file.mesh.with_normals(), ..file })
 }
 
-/// Reads the OBJ file at `path` by all threads, if it is plain.
+/// Reads the OBJ file at `path` by all threads, if it is plain. The mesh has no normals yet.
 pub(super) fn parse_plain_mesh(path: &Path, bytes: &[u8]) -> Option<ObjFile> {
     let faces = plain::read(bytes.strip_prefix(decode::UTF8_MARK).unwrap_or(bytes))?;
     Some(finish(faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes)))
@@ -123,7 +126,7 @@ fn source_text(path: &Path, bytes: &[u8]) -> Arc<SourceText> {
     Arc::new(SourceText { path: path.to_owned(), text: decode::decode(bytes) })
 }
 
-/// Reads an OBJ file that need not be plain, in more time and memory.
+/// Reads an OBJ file that need not be plain, in more time and memory. The mesh has no normals yet.
 ///
 /// # Errors
 /// As [`parse_mesh`].
@@ -179,7 +182,7 @@ fn finish(
     counts.triangles = faces.triangles.len();
     counts.polygons = faces.polygons.len();
     counts.concave = cuts.concave;
-    ObjFile { mesh: Mesh::new(faces.positions, faces.triangles), counts, warnings }
+    ObjFile { mesh: Mesh::without_normals(faces.positions, faces.triangles), counts, warnings }
 }
 
 /// The place of a face, by its number among those with three corners or more.
