@@ -115,17 +115,12 @@ impl Transform {
         // The step is short, so the errors of the matrix that transforms it are small twice over.
         let step = found.point - image;
         let point = near + self.world_from_object.transform_direction(step);
-        let normal_direction_to_world = self.normal_to_world * found.normal;
-        let per_world_unit = normal_direction_to_world.length();
+        let (normal, per_world_unit) = (self.normal_to_world * found.normal).direction_and_length();
         let terms = self.object_from_world.linear().abs() * point.map(Real::abs)
             + self.object_from_world.offset().map(Real::abs);
         let error = found.error
             + WORLD_POINT_ROUNDINGS * UNIT_ROUNDOFF * across(found.normal, terms)
             + across(found.normal, self.round_trip * step.map(Real::abs));
-        SurfacePoint {
-            point,
-            normal: normal_direction_to_world / per_world_unit,
-            error_bound: error / per_world_unit,
-        }
+        SurfacePoint { point, normal, error_bound: error / per_world_unit }
     }
 }

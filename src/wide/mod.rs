@@ -9,6 +9,7 @@
 //! | [`intersect`], [`mesh`], [`triangle`], [`hit_packet`] | `objects`, culled by `bvh` |
 //! | [`normals`] | `objects` |
 //! | [`shade`] | `light`, `material` |
+//! | [`light_culling`] | nothing: it finds out which lights need not be shaded |
 //! | [`cube_map`] | `cube_map` |
 //! | [`trace`], [`mirror_queue`] | the steps of `trace`, in the same order |
 //!
@@ -19,6 +20,7 @@ mod camera;
 mod cube_map;
 mod hit_packet;
 mod intersect;
+mod light_culling;
 mod mesh;
 mod mirror_queue;
 mod normals;

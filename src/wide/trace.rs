@@ -7,6 +7,7 @@ use super::camera::camera_rays;
 use super::cube_map::{self, CubeMapScratch};
 use super::hit_packet::HitPacket;
 use super::intersect::Scratch;
+use super::light_culling::{FEW_LIGHTS, SurfaceBounds};
 use super::mirror_queue::{MirrorQueue, PathPacket};
 use super::normals::{NormalScratch, normals};
 use super::shade::{LightPacket, SurfacePacket};
@@ -152,6 +153,10 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         scene.geometry.closest_hits(simd, rays, active, queries, hits);
         let hit = active & !hits.lanes_of(simd, active, HitPacket::NOTHING);
         let mut rest = if self.plan.shows_normals() { hit } else { 0 };
+        if rest != 0 {
+            // Loops run over these lanes too. Numbers at the end of the range would take the slow way there.
+            lanes_in(!hit).for_each(|lane| hits.t[lane] = 0.0);
+        }
         while rest != 0 {
             let index = hits.object[rest.trailing_zeros() as usize % PACKET];
             let of_object = hits.lanes_of(simd, rest, index);
@@ -267,18 +272,32 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
 
     /// Adds to the points of a mask what they reflect of each light that is not blocked.
     fn add_lights(&mut self, mask: u64) {
-        for light in &self.scene.lights {
-            let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
-            let mut lit = seen.illuminate(self.simd, light, surfaces, mask);
-            if self.plan.shadows {
-                // No shadow ray where the light contributes exactly zero.
-                self.counts.shadow_left_out += u64::from((mask & !lit).count_ones());
-                self.counts.shadow += u64::from(lit.count_ones());
-                lit &= !self.blocked(light, mask, lit);
-            }
-            let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
-            surfaces.add(self.simd, seen, lit);
+        let lights = &self.scene.lights;
+        if lights.len() <= FEW_LIGHTS {
+            return lights.iter().for_each(|light| self.add_light(light, mask));
         }
+        let bounds = SurfaceBounds::of(self.simd, &self.scratch.surfaces, mask);
+        for light in lights {
+            if !bounds.are_dark_to(light) {
+                self.add_light(light, mask);
+            } else if self.plan.shadows {
+                self.counts.shadow_left_out += u64::from(mask.count_ones());
+            }
+        }
+    }
+
+    /// Adds to the points of a mask what they reflect of a light, unless it is blocked.
+    fn add_light(&mut self, light: &Light, mask: u64) {
+        let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
+        let mut lit = seen.illuminate(self.simd, light, surfaces, mask);
+        if self.plan.shadows {
+            // No shadow ray where the light contributes exactly zero.
+            self.counts.shadow_left_out += u64::from((mask & !lit).count_ones());
+            self.counts.shadow += u64::from(lit.count_ones());
+            lit &= !self.blocked(light, mask, lit);
+        }
+        let PacketScratch { surfaces, light: seen, .. } = &mut *self.scratch;
+        surfaces.add(self.simd, seen, lit);
     }
 
     /// Returns the points of `lit`, a part of `mask`, whose shadow ray is blocked.

@@ -60,7 +60,8 @@ fn plain_and_wide_pictures_are_the_same_to_the_bit() {
     }
 }
 
-/// Forty objects need the tree of objects: spheres, stretched and turned ones, triangles, and a plane.
+/// Forty objects need the tree of objects: spheres, stretched and turned ones, triangles, and a plane. Of the seven lights, most
+/// shine on the far side of most surfaces.
 #[test]
 fn plain_and_wide_pictures_of_many_objects_are_the_same_to_the_bit() {
     let mut objects = String::new();
@@ -77,9 +78,11 @@ fn plain_and_wide_pictures_of_many_objects_are_the_same_to_the_bit() {
     }
     let scene = format!(
         "PerspectiveCamera {{ center 0 0 14 direction 0 0 -1 up 0 1 0 angle 30 }}
-        Lights {{ numLights 3 PointLight {{ position 4 6 5 color 1 0.9 0.8 falloff 0.01 }}
+        Lights {{ numLights 7 PointLight {{ position 4 6 5 color 1 0.9 0.8 falloff 0.01 }}
             DirectionalLight {{ direction 1 -1 -1 color 0.4 0.5 0.6 }}
-            PointLight {{ position 0 0 0 color 1 1 1 }} }}
+            PointLight {{ position 0 0 0 color 1 1 1 }}
+            DirectionalLight {{ direction 0.1 0.2 1 color 0 0.5 0.6 }} DirectionalLight {{ direction 0 1 0 color 1 0 1 }}
+            PointLight {{ position 0 -9 -30 color 1 1 1 falloff 0.01 }} PointLight {{ position 9 -9 0 color 1 0 0 falloff 0.1 }} }}
         Background {{ color 0.2 0.1 0.4 ambientLight 0.1 0.1 0.1 }}
         Materials {{ numMaterials 3 Material {{ diffuseColor 1 0.2 0.1 specularColor 1 1 1 shininess 20 }}
             Material {{ diffuseColor 0.1 0.5 0.1 shininess 2.5 }} Material {{ specularColor 0.9 1.3 0.8 }} }}
@@ -108,6 +111,35 @@ fn plain_and_wide_pictures_of_an_object_without_finite_bounds_are_the_same_to_th
     );
     for flags in ["", "-bounces 3 -shadows", "-robust -bounces 2"] {
         check(&folder.path("s.txt"), flags);
+    }
+}
+
+/// Sizes, transforms and lights near the ends of the range of numbers.
+#[test]
+fn plain_and_wide_pictures_of_extreme_numbers_are_the_same_to_the_bit() {
+    let lamp = |position: &str, falloff: &str| {
+        format!("PointLight {{ position {position} color 1e30 1 1e-300 falloff {falloff} }}")
+    };
+    let mirror = "MaterialIndex 0 Plane { normal 0 1 0 offset -1 }";
+    for (objects, light) in [
+        (format!("Sphere {{ center 0 0 0 radius 1e100 }} {mirror}"), lamp("3e200 4e200 1e200", "1e-308")),
+        ("Sphere { center 0 0 2 radius 1e-300 } Sphere { center 0 0 0 radius 1 }".to_owned(), lamp("0 9 0", "1e-320")),
+        (format!("Transform {{ UniformScale 1e-300 Sphere {{ center 0 0 0 radius 9e299 }} }} {mirror}"), lamp("9 9 9", "-1")),
+        ("Triangle { vertex0 -1e200 -1e200 -1e200 vertex1 1e200 -1e200 -1e200 vertex2 0 1e200 -1e200 } MaterialIndex 0 Sphere
+            { center 1 0 0 radius 1 }".to_owned(), lamp("1e-200 2 1e-200", "0")),
+        (format!("Transform {{ Scale 1 1 1e-20 Sphere {{ center 0 0 0 radius 1 }} }} {mirror}"), lamp("1 1 1", "1e308")),
+    ] {
+        let scene = format!(
+            "PerspectiveCamera {{ center 0.5 0.25 7 direction 0 0 -1 up 0 1 0 angle 30 }}
+            Lights {{ numLights 2 {light} DirectionalLight {{ direction -1 -1 -1 color 1e308 0.2 0.5 }} }}
+            Background {{ color 0.2 0.1 0.4 ambientLight 0.1 0.1 0.1 }}
+            Materials {{ numMaterials 1 Material {{ diffuseColor 0.7 1e-30 3 specularColor 0.5 0 0.5 shininess 9 }} }}
+            Group {{ numObjects 2 MaterialIndex 0 {objects} }}"
+        );
+        for flags in ["", "-robust -bounces 4 -shadows", "-bounces 2 -shadows"] {
+            let (_, linear) = colors(&scene, flags);
+            assert!(linear.iter().all(|number| !number.is_nan()), "{objects} {flags}");
+        }
     }
 }
 

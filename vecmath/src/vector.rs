@@ -229,8 +229,11 @@ impl Vector3 {
 
     /// Returns the unit vector of the same direction and the length, also where squares of components leave the range of
     /// numbers. Zero, and what is not finite, has no direction: then both are zero.
-    #[inline(never)]
     pub fn direction_and_length(self) -> (Self, Real) {
+        if self.is_usual() {
+            let length = self.length();
+            return (self / length, length);
+        }
         if !self.is_finite() || self == Self::ZERO {
             return (Self::ZERO, 0.0);
         }
