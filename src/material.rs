@@ -1,7 +1,7 @@
 //! [`Material`]: the Phong reflection model.
 
 use crate::light::Illumination;
-use vecmath::{Real, Vector3};
+use vecmath::{Real, Vector3, lesser};
 
 /// How a surface reflects light.
 #[derive(Clone, Debug)]
@@ -30,8 +30,11 @@ impl Material {
     }
 
     /// Returns max(0, N.L) I diffuse + highlight I specular, with N.L the `cosine`.
+    ///
+    /// The highlight of a plane whose normal is long may overflow. It is kept finite, because infinity times black is NaN.
     #[inline(always)]
     pub fn reflect(&self, intensity: Vector3, cosine: Real, highlight: Real) -> Vector3 {
+        let highlight = lesser(highlight, Real::MAX);
         intensity.scaled_by(self.diffuse) * cosine.max(0.0) + intensity.scaled_by(self.specular) * highlight
     }
 

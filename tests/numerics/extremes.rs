@@ -221,6 +221,22 @@ fn no_light_is_nan_on_the_dark_side() {
 }
 
 #[test]
+fn a_highlight_that_overflows_is_no_nan() {
+    // The mirrored ray is 199 times as long as the ray where the normal is 10 long, and 199^1000 is no number.
+    let light = "DirectionalLight { direction 0 -1 0 color 0.5 0.5 0.5 }";
+    for (specular, is_bright) in [("0 0 0", false), ("1 0 0", true)] {
+        let scene = floor(&format!("diffuseColor 0.5 0.5 0.5 specularColor {specular} shininess 1000"), light);
+        let scene = scene.replace("normal 0 1 0", "normal 0 10 0");
+        for mode in modes().filter(|mode| !mode.robust()) {
+            let studio = Studio::new(&scene, &format!("-size 1 1 {}", mode.flags)).at(mode);
+            let [red, green, blue] = studio.color(&ray([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]));
+            check_that("highlight that overflows: only where the surface shines", (red > 1e30) == is_bright);
+            check_that("highlight that overflows: the rest as without it", green == 2.625 && blue == green);
+        }
+    }
+}
+
+#[test]
 fn a_light_without_falloff_is_white_whatever_its_colour() {
     for color in ["1 1 1", "1e-300 1e-300 1e-300", "1e308 1 1e-320"] {
         let light = format!("PointLight {{ position 0 2 0 color {color} }}");
