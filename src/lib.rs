@@ -162,7 +162,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
         true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
         phases: Phases::new(parse, loading, build, rendering, frame.filter, threads),
         total: Times::default(),
-        left_out: [plan.left_out, left_out].concat(),
+        left_out: plan.left_out.into_iter().chain(left_out).collect(),
         frame,
         mesh_files,
         warnings,
