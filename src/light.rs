@@ -38,7 +38,7 @@ pub struct Illumination {
 
 impl Light {
     /// Returns the light that falls on `point` if nothing blocks it. The colour of a point light is divided by
-    /// falloff times the squared distance, or by [`WITHOUT_FALLOFF`] if that product is zero.
+    /// falloff times the squared distance, or by a [least divisor](least_fading) if that is larger.
     pub fn illuminate(&self, point: Vector3) -> Illumination {
         match *self {
             Self::Directional { to_light, color } => from_direction(to_light, color),
@@ -59,12 +59,12 @@ impl Light {
             Self::Directional { to_light, color } => {
                 Self::Directional { to_light, color: color.map(|c| c.clamp(-brightest, brightest)) }
             }
-            // The same light, to the last bit: only a falloff that is not negative has a least fading.
+            // Moving the sign to the colour changes no bit.
             Self::Point { position, color, falloff } if falloff < 0.0 => {
                 Self::Point { position, color: -color, falloff: -falloff }.within_range(is_usual, brightest)
             }
             Self::Point { position, color, falloff } => {
-                let mut numbers = position.to_array().into_iter().chain(color.to_array()).chain([falloff]);
+                let mut numbers = [position.max_abs(), falloff].into_iter().chain(color.to_array());
                 let is_usual = is_usual
                     && color.max_abs() <= USUAL_BRIGHTNESS
                     && brightest >= USUAL_BRIGHTNESS / WITHOUT_FALLOFF

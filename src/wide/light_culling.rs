@@ -49,7 +49,7 @@ impl SurfaceBounds {
             Light::Point { position, .. } => {
                 Aabb { min: position - self.point.max, max: position - self.point.min }
             }
-            Light::ExtremePoint { .. } => return false,
+            _ => return false,
         };
         let looks_away = |directions: &Aabb| {
             let (mut largest, mut terms) = (0.0, 0.0);
