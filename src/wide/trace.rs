@@ -52,9 +52,8 @@ struct PacketScratch {
     /// With [`Epsilon::Auto`], where rays leave each surface, in the order of the lanes that are hit.
     beside: Vec<BesideSurface>,
     light: LightPacket,
-    shadow_rays: RayPacket,
-    /// How far each shadow ray goes.
-    shadow_t_max: Scalars,
+    /// Shadow rays, and how far each goes. Made for the first ones.
+    shadow_rays: Option<Box<(RayPacket, Scalars)>>,
     queries: Scratch,
     normals: NormalScratch,
     /// Made for the first rays that need it.
@@ -67,8 +66,7 @@ impl PacketScratch {
         surfaces: SurfacePacket::NONE,
         beside: Vec::new(),
         light: LightPacket::NONE,
-        shadow_rays: RayPacket::NONE,
-        shadow_t_max: [0.0; PACKET],
+        shadow_rays: None,
         queries: Scratch::EMPTY,
         normals: NormalScratch::EMPTY,
         cube_map: None,
@@ -305,8 +303,9 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         if lit == 0 {
             return 0;
         }
-        let PacketScratch { surfaces, beside, light: seen, shadow_rays, shadow_t_max, queries, .. } =
-            &mut *self.scratch;
+        let PacketScratch { surfaces, beside, light: seen, shadow_rays, queries, .. } = &mut *self.scratch;
+        let shadow_rays = shadow_rays.get_or_insert_with(|| Box::new((RayPacket::NONE, [0.0; PACKET])));
+        let (shadow_rays, shadow_t_max) = &mut **shadow_rays;
         let (epsilon, is_robust) = (self.epsilon, self.plan.robust);
         if self.plan.epsilon != Epsilon::Auto {
             seen.shadow_rays(self.simd, surfaces, lit, epsilon, is_robust, shadow_rays, shadow_t_max);
