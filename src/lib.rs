@@ -177,7 +177,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// Renders the picture. With `-convergence` it also returns the table of all pictures.
+/// Renders the picture. With `-convergence` it also returns the points of all curves.
 fn render_pictures(
     scene: &Scene,
     plan: &Plan,
@@ -189,7 +189,7 @@ fn render_pictures(
     if options.measure.is_adaptive() {
         (render::render_adaptive(scene, plan, options, deadline, &progress), Vec::new())
     } else if options.measure.convergence.is_some() {
-        measure::render_doubling(scene, plan, options, reference, &progress)
+        measure::render_convergence(scene, plan, options, reference, &progress)
     } else {
         (render::render_uniform(scene, plan, options, &progress), Vec::new())
     }

@@ -98,6 +98,8 @@ pub struct DepthPicture {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeasureOptions {
     pub sampler: SamplerKind,
+    /// Whether the sampler was named. Otherwise `-convergence` compares all of them.
+    pub sampler_is_given: bool,
     /// Samples for each pixel of the traced grid with `-jitter`; `None`: [`DEFAULT_SAMPLES`].
     pub samples: Option<u32>,
     /// PNG of the estimated error.

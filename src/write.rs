@@ -104,7 +104,10 @@ pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
 pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
     let measure = &options.measure;
     if let Some(path) = &measure.convergence {
-        write_text(path, &measure::csv(options, &report.convergence))?;
+        write_text(path, &measure::csv(&report.convergence))?;
+        if !options.quiet {
+            say(&format!("{}\n", measure::sentences(options, &report.convergence)));
+        }
     }
     if let Some(path) = &measure.report {
         write_text(path, &report.json(options))?;

@@ -13,6 +13,7 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
     let above_zero = |n: &f64| *n > 0.0 && n.is_finite();
     let options = MeasureOptions {
         sampler: sampler(typed)?,
+        sampler_is_given: typed.has("sampler"),
         samples: typed.number("samples", 0, &samples, |n| (1..=MAX_SAMPLES).contains(n))?,
         error_map: typed.path("error-map").map(|path| must_be_png("error-map", path)).transpose()?,
         report: with_extension(typed, "report", &["json"])?,

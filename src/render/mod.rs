@@ -37,9 +37,14 @@ use tile_samples::TileSamples;
 /// Estimates the memory for the pictures in bytes: the film, and with adaptive sampling the sums over samples.
 pub fn bytes_needed(options: &Options) -> u64 {
     let planes = Planes::wanted_by(options);
-    let sums = if options.measure.is_adaptive() { TileSamples::bytes_per_pixel(planes) } else { 0 };
-    // The table of all pictures keeps the one before.
-    let films = if options.measure.convergence.is_some() { 2 } else { 1 };
+    let measure = &options.measure;
+    let sums = if measure.is_adaptive() || measure.convergence.is_some() {
+        TileSamples::bytes_per_pixel(planes)
+    } else {
+        0
+    };
+    // One of the pictures of a curve is kept while others are rendered.
+    let films = if measure.convergence.is_some() { 2 } else { 1 };
     let bytes_per_pixel = films * planes.bytes_per_pixel() + sums;
     u64::from(options.width) * u64::from(options.height) * bytes_per_pixel as u64
 }

@@ -160,10 +160,19 @@ fn convergence_is_a_table_of_error_against_samples_and_time() {
     );
     let rows = table(&folder, "c.csv");
     let names = "sampler samples seconds cpu_seconds rays estimated_rmse_levels estimated_low_95 estimated_high_95
-        estimated_rmse_linear true_rmse_levels true_rmse_linear true_ssim";
+        estimated_rmse_linear true_rmse_levels true_rmse_linear true_ssim target_levels camera_rays_a_pixel";
     let expected: std::collections::BTreeSet<&str> = names.split_whitespace().collect();
     assert!(rows[0].keys().map(String::as_str).eq(expected), "{:?}", rows[0]);
     let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().ok();
+    let (adaptive, rows): (Vec<_>, Vec<_>) = rows.into_iter().partition(|row| row["sampler"] == "adaptive");
+    // A named sampler is the only one, also where samples are taken where they are needed.
+    assert!(adaptive.len() >= 3);
+    for row in &adaptive {
+        assert!(number(row, "estimated_rmse_levels") <= number(row, "target_levels"), "{row:?}");
+        assert!(
+            number(row, "camera_rays_a_pixel") >= number(row, "samples") && number(row, "samples") > Some(1.0)
+        );
+    }
     let column = |name: &str| rows.iter().map(|row| number(row, name)).collect::<Vec<_>>();
     assert_eq!(column("samples"), [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0].map(Some));
     assert!(rows.iter().all(|row| row["sampler"] == "independent"));
