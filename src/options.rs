@@ -110,7 +110,7 @@ pub struct MeasureOptions {
     pub stats: bool,
     /// The picture that counts as true: PNG, PFM or EXR.
     pub reference: Option<PathBuf>,
-    /// CSV.
+    /// SVG, HTML or CSV.
     pub convergence: Option<PathBuf>,
     /// Byte levels.
     pub target_error: Option<f64>,
@@ -128,6 +128,12 @@ impl MeasureOptions {
             || self.error_map.is_some()
             || self.convergence.is_some()
             || self.is_adaptive()
+    }
+
+    /// Returns whether the estimated error of each pixel is kept: for a picture of its own, or for the page of
+    /// `-convergence`.
+    pub fn wants_error_map(&self) -> bool {
+        self.error_map.is_some() || self.convergence.as_ref().is_some_and(|path| has_extension(path, "html"))
     }
 
     /// Returns whether times are measured.

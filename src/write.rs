@@ -104,7 +104,8 @@ pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
 pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
     let measure = &options.measure;
     if let Some(path) = &measure.convergence {
-        write_text(path, &measure::csv(&report.convergence))?;
+        let file = measure::convergence_file(path, options, &report.frame, &report.convergence);
+        write_text(path, &file.map_err(|error| Error::io(path, "make the page", &error))?)?;
         if !options.quiet {
             say(&format!("{}\n", measure::sentences(options, &report.convergence)));
         }

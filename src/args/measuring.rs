@@ -19,7 +19,7 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
         report: with_extension(typed, "report", &["json"])?,
         stats: typed.has("stats"),
         reference: with_extension(typed, "reference", &["png", "pfm", "exr"])?,
-        convergence: with_extension(typed, "convergence", &["csv"])?,
+        convergence: with_extension(typed, "convergence", &["svg", "html", "csv"])?,
         target_error: typed.number("target-error", 0, "a number of byte levels above 0", above_zero)?,
         time_limit: typed.number("time-limit", 0, "a number of seconds above 0", above_zero)?,
         keep_linear: false,

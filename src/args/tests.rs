@@ -89,7 +89,7 @@ fn errors_name_flag_value_and_expectation() {
         ("-input s.txt -output o.png -reference r.jpg", &["-reference", ".png, .pfm, .exr", "r.jpg"]),
         ("-input s.txt -normals o.png -target-error 1", &["-target-error", "-output"]),
         ("-input s.txt -output o.png -error-map o.png", &["same name"]),
-        ("-input s.txt -output o.png -convergence c.pdf", &["-convergence", ".csv", "c.pdf"]),
+        ("-input s.txt -output o.png -convergence c.pdf", &["-convergence", ".svg, .html, .csv", "c.pdf"]),
         ("-input s.txt -output o.png -convergence c.csv -time-limit 1", &["-convergence", "-time-limit"]),
         ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),
         ("-compare a.png", &["-compare", "A B"]),

@@ -57,7 +57,11 @@ pub(super) const FLAGS: &[Flag] = &[
     ("report", &["FILE"], "The same as JSON"),
     ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),
     ("error-map", &["FILE"], "Picture of the estimated error (PNG), white at 16 levels; implies -jitter"),
-    ("convergence", &["FILE"], "Table (CSV) of error against time and samples, each sampler; implies -jitter"),
+    (
+        "convergence",
+        &["FILE"],
+        "Error against time and samples, each sampler: .svg, .html or .csv; implies -jitter",
+    ),
     ("target-error", &["LEVELS"], "Sample where needed until the estimated RMSE is below; implies -jitter"),
     ("time-limit", &["SECONDS"], "Stop in time with the best picture so far; implies -jitter"),
     ("max-memory", &["SIZE"], "Refuse what needs more memory: bytes, or a number with K, M or G (powers of 1024)"),

@@ -6,7 +6,7 @@ mod numbers;
 mod png;
 
 pub use numbers::{NumberPicture, read_numbers, write_numbers};
-pub use png::write_png;
+pub use png::{encode_png, write_png};
 
 use crate::options::Options;
 use vecmath::{Real, Vector3};
@@ -29,7 +29,7 @@ impl Planes {
             depth: options.depth.is_some(),
             normals: options.normals.is_some(),
             linear: options.keeps_linear(),
-            error_map: options.measure.error_map.is_some(),
+            error_map: options.measure.wants_error_map(),
         }
     }
 

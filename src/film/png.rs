@@ -31,6 +31,16 @@ pub fn write_png(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(
     write_whole(path, "the picture", |writer| write(writer, width, height, bytes))
 }
 
+/// Encodes a picture in memory; the same bytes as in the file that [`write_png`] writes.
+///
+/// # Errors
+/// As the library that encodes.
+pub fn encode_png(width: u32, height: u32, bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut file = Vec::new();
+    write(&mut file, width, height, bytes)?;
+    Ok(file)
+}
+
 fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(png::ColorType::Rgb);

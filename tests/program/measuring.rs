@@ -194,6 +194,95 @@ fn convergence_is_a_table_of_error_against_samples_and_time() {
     assert!(number(last, "true_ssim") > number(&rows[0], "true_ssim"));
 }
 
+/// Returns the names of the elements of an XML text. Panics where it is not well-formed.
+fn elements(xml: &str) -> Vec<&str> {
+    let (mut found, mut open) = (Vec::new(), Vec::new());
+    let mut rest = xml;
+    while let Some((text, after)) = rest.split_once('<') {
+        assert!(!text.contains('>') && (text.trim().is_empty() || !open.is_empty()), "{text}");
+        let entities = text.split('&').skip(1);
+        entities.for_each(|rest| assert!(["amp;", "lt;", "gt;", "quot;"].iter().any(|e| rest.starts_with(e))));
+        let (tag, after) = after.split_once('>').expect("a tag has an end");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else {
+            let name = tag.split([' ', '/']).next().unwrap();
+            assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+            found.push(name);
+            if !tag.ends_with('/') {
+                open.push(name);
+            }
+        }
+        rest = after;
+    }
+    assert!(open.is_empty() && rest.trim().is_empty(), "{open:?}");
+    found
+}
+
+#[test]
+fn convergence_is_a_figure_of_all_samplers() {
+    let folder = Folder::new();
+    folder.write("a <&\" b.txt", SCENE);
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_a2"));
+    command.args(["-input", "a <&\" b.txt"]);
+    let run = folder.run(command.args("-size 30 30 -output o.png -convergence c.svg -samples 8".split(' ')));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let lines: Vec<&str> = run.stderr.lines().collect();
+    assert!(lines[0].starts_with("An error of ") && lines[1].starts_with("A quarter of that error "), "{lines:?}");
+    let svg = std::fs::read_to_string(folder.path("c.svg")).unwrap();
+    let found = elements(&svg);
+    let dots = found.iter().filter(|&&name| name == "circle").count();
+    // 2, 4 and 8 samples of three samplers in two panels, and some targets.
+    assert!(dots >= 2 * 3 * 3 + 2 && found.contains(&"polyline"), "{dots}");
+    for name in ["independent", "stratified", "sobol", "adaptive"] {
+        assert!(svg.contains(&format!(">{name}: slope ")), "{name}");
+    }
+    for words in lines.into_iter().chain(["a &lt;&amp;&quot; b.txt, 30 x 30", "slope −1/2"]) {
+        assert!(svg.contains(words), "{words}");
+    }
+    // The picture is the one that is asked for without the curves.
+    folder.write("s.txt", SCENE);
+    succeeds(&folder, "-input s.txt -size 30 30 -samples 8 -output p.png -stats");
+    assert_eq!(folder.picture("o.png"), folder.picture("p.png"));
+}
+
+#[test]
+fn convergence_is_a_page_that_needs_no_other_file() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    succeeds(&folder, "-input s.txt -size 30 30 -samples 1024 -sampler sobol -seed 9 -output truth.pfm");
+    let flags = "-size 30 30 -samples 8 -sampler sobol -reference truth.pfm -quiet";
+    let run = succeeds(&folder, &format!("-input s.txt {flags} -output o.png -convergence c.html"));
+    assert_eq!(run.stderr, "");
+    let page = std::fs::read_to_string(folder.path("c.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>\n<html lang=\"en\">") && page.ends_with("</html>\n"));
+    assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http").count());
+    assert_eq!(page.matches("src=").count(), page.matches("src=\"data:image/png;base64,iVBOR").count());
+    // The picture and its error map.
+    assert_eq!(page.matches("<img ").count(), 2);
+    assert!(page.contains("Pixels that no sample reached: 0%"));
+    let (_, figure) = page.split_once("<svg").unwrap();
+    elements(&format!("<svg{}</svg>", figure.split_once("</svg>").unwrap().0));
+    assert!(
+        !page.contains("stratified:") && page.contains("sobol: slope") && page.contains("rings: its estimate")
+    );
+}
+
+/// One sample says nothing of its error.
+#[test]
+fn convergence_of_one_sample_has_no_curves() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    for name in ["c.svg", "c.html", "c.csv"] {
+        let run =
+            succeeds(&folder, &format!("-input s.txt -size 9 9 -samples 1 -output o.png -convergence {name}"));
+        assert!(run.stderr.starts_with("No error above 0 is known here"), "{}", run.stderr);
+    }
+    let found = std::fs::read_to_string(folder.path("c.svg")).unwrap();
+    assert!(!elements(&found).contains(&"circle"));
+    assert_eq!(table(&folder, "c.csv").len(), 3);
+}
+
 #[test]
 fn an_error_map_is_bright_along_edges_and_never_black() {
     let folder = Folder::new();

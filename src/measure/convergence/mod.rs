@@ -2,22 +2,27 @@
 //!
 //! Pictures of 1, 2, 4 ... N samples a pixel are rendered one after the other. Each is the picture that `-samples`
 //! gives with that number. Adaptive sampling then goes for errors of the range that these pictures have. [`table`] has
-//! one line for each picture.
+//! one line for each picture, [`figure`] the curves, and [`page`] all of it with the picture.
 //!
 //! A first picture is thrown away, so that no point contains what is done once: reading cube map faces, building
 //! trees. A picture that takes almost no time is rendered several times, and its time is the median.
 
+mod axis;
 mod curve;
+mod figure;
+mod page;
+mod svg;
 mod table;
 mod words;
 
 use super::reference::{Reference, TrueError};
-use crate::options::{Options, SamplerKind};
+use crate::options::{Options, SamplerKind, has_extension};
 use crate::plan::Plan;
 use crate::render::error_estimate::ErrorEstimate;
 use crate::render::{Frame, Progress, render_adaptive, render_uniform};
 use crate::scene::Scene;
 use crate::timing::{Deadline, Times, timed};
+use std::path::Path;
 use std::time::Duration;
 
 /// How the samples of a picture are taken.
@@ -189,7 +194,20 @@ impl Picture {
     }
 }
 
-pub use table::csv;
+/// Returns the points as the file that is asked for: a page, a figure or a table.
+///
+/// # Errors
+/// As [`page::html`].
+pub fn shown(path: &Path, options: &Options, frame: &Frame, points: &[Point]) -> std::io::Result<String> {
+    if has_extension(path, "html") {
+        page::html(options, frame, points)
+    } else if has_extension(path, "svg") {
+        Ok(figure::svg(options, points))
+    } else {
+        Ok(table::csv(points))
+    }
+}
+
 pub use words::sentences;
 
 /// Returns the target errors of adaptive sampling: powers of two, or of its root where these are few, between the errors

@@ -1,5 +1,6 @@
 //! Curves whose points lie where theory puts them.
 
+use super::axis::{Axis, Quantity};
 use super::curve::Curve;
 use super::words::{short, time};
 use super::*;
@@ -97,4 +98,26 @@ fn numbers_keep_two_digits() {
         assert_eq!(short(number), text);
     }
     assert_eq!([time(2.5e-5), time(0.002), time(0.25), time(31.0)], ["25 µs", "2 ms", "250 ms", "31 s"]);
+}
+
+#[test]
+fn labels_of_ticks_do_not_overlap() {
+    for quantity in [Quantity::Levels, Quantity::Seconds, Quantity::Samples] {
+        for (low, high) in [(1.0, 1.0), (0.3, 0.4), (1.9, 2.1), (0.004, 3.0), (1e-5, 1e4), (0.7, 65536.0)] {
+            let axis = Axis::new(quantity, [low, high].into_iter(), 0.0, 424.0);
+            let ticks = axis.ticks();
+            let labelled: Vec<_> = ticks.iter().filter(|tick| !tick.label.is_empty()).collect();
+            assert!(labelled.len() >= 2, "{quantity:?} {low} {high}");
+            for pair in labelled.windows(2) {
+                // A digit is 7 pixels wide.
+                let width = 3.5 * (pair[0].label.chars().count() + pair[1].label.chars().count()) as f64;
+                assert!(
+                    pair[1].place - pair[0].place > width,
+                    "{quantity:?} {low} {high}: {} and {}",
+                    pair[0].label,
+                    pair[1].label
+                );
+            }
+        }
+    }
 }
