@@ -109,7 +109,7 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
         interrupt::let_rendering_end();
     }
     write::worker_threads(options)?.install(|| {
-        let mut report = render_scene(options)?;
+        let mut report = render_since(options, &total)?;
         if !options.quiet {
             report.warnings.iter().for_each(|warning| say(&format!("warning: {warning}\n")));
         }
@@ -131,7 +131,12 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
 /// # Errors
 /// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
-    let deadline = write::deadline(options);
+    render_since(options, &Stopwatch::start())
+}
+
+/// Renders the same. A time limit counts from `start`.
+fn render_since(options: &Options, start: &Stopwatch) -> Result<Report, Error> {
+    let limit = write::time_limit(options, start);
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
     let reference = Reference::wanted_by(options)?;
@@ -148,7 +153,7 @@ pub fn render_scene(options: &Options) -> Result<Report, Error> {
     let Compiled { scene, mesh_files, left_out, warnings, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
-    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, deadline, reference.as_ref()));
+    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, limit, reference.as_ref()));
     let (frame, convergence) = rendered;
     let unmet = mesh_files.iter().filter(|file| scene.geometry.is_unmet(file.mesh));
     let unmet = unmet.map(|file| format!("the tree of {}: no ray meets its box", file.path.display()));
@@ -182,12 +187,12 @@ fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
-    deadline: Deadline,
+    limit: Deadline,
     reference: Option<&Reference>,
 ) -> (Frame, Vec<Point>) {
     let progress = Bar::new(options.quiet);
     if options.measure.is_adaptive() {
-        (render::render_adaptive(scene, plan, options, deadline, &progress), Vec::new())
+        (render::render_adaptive(scene, plan, options, limit, &progress), Vec::new())
     } else if options.measure.convergence.is_some() {
         measure::render_convergence(scene, plan, options, reference, &progress)
     } else {

@@ -55,10 +55,11 @@ impl Deadline {
     /// When the user interrupts rendering.
     pub const ON_INTERRUPT: Self = Self { at: None, can_interrupt: true };
 
-    /// Makes the deadline so many seconds from now. One beyond the range of the clock is never over.
-    pub fn in_seconds(seconds: f64) -> Self {
-        let duration = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
-        Self { at: duration.and_then(|duration| Instant::now().checked_add(duration)), ..Self::ON_INTERRUPT }
+    /// Returns the deadline that is so much earlier.
+    #[must_use]
+    pub fn earlier(self, time: Duration) -> Self {
+        // Before the clock began there is no time: then it is over now.
+        Self { at: self.at.map(|at| at.checked_sub(time).unwrap_or_else(Instant::now)), ..self }
     }
 
     /// Returns whether there is a time limit.
@@ -83,6 +84,12 @@ pub struct Stopwatch {
 impl Stopwatch {
     pub fn start() -> Self {
         Self { wall: Instant::now(), cpu: processor_time() }
+    }
+
+    /// Returns the deadline so many seconds after the start. One beyond the range of the clock is never over.
+    pub fn deadline(&self, seconds: f64) -> Deadline {
+        let duration = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
+        Deadline { at: duration.and_then(|duration| self.wall.checked_add(duration)), ..Deadline::ON_INTERRUPT }
     }
 
     /// Returns the time since the start.
@@ -130,10 +137,14 @@ mod tests {
 
     #[test]
     fn a_deadline_is_over_when_its_time_has_come() {
-        assert!(Deadline::in_seconds(0.0).is_over() && Deadline::in_seconds(-1.0).is_over());
-        let late = Deadline::in_seconds(1e6);
+        let watch = Stopwatch::start();
+        assert!(watch.deadline(0.0).is_over() && watch.deadline(-1.0).is_over());
+        let late = watch.deadline(1e6);
         assert!(late.is_set() && !late.is_over());
-        let beyond_the_clock = Deadline::in_seconds(1e300);
+        assert!(!late.earlier(Duration::from_secs(900_000)).is_over());
+        assert!(late.earlier(Duration::from_secs(1_000_001)).is_over() && late.earlier(Duration::MAX).is_over());
+        assert!(!Deadline::NEVER.earlier(Duration::MAX).is_over());
+        let beyond_the_clock = watch.deadline(1e300);
         assert!(!beyond_the_clock.is_set() && !beyond_the_clock.is_over() && !Deadline::NEVER.is_over());
     }
 

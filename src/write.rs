@@ -6,7 +6,7 @@ use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
 use crate::output;
-use crate::timing::Deadline;
+use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use std::io::{ErrorKind, Write as _};
@@ -61,19 +61,12 @@ fn waiting_thread() -> Option<Sender<ThreadBuilder>> {
     thread::Builder::new().spawn(work).ok().map(|_| sender)
 }
 
-/// Returns when to stop tracing rays, so that there is time left to write the pictures.
-pub fn deadline(options: &Options) -> Deadline {
-    /// Of a slow disk, for a PNG that does not compress.
-    const BYTES_A_SECOND: f64 = 60e6;
-    /// Seconds for what cannot be interrupted: a generation of mirror rays, starting and ending threads.
+/// Returns when the pictures must be written.
+pub fn time_limit(options: &Options, start: &Stopwatch) -> Deadline {
+    /// Seconds for what comes before `start` and after writing, and for what cannot be interrupted: starting a
+    /// process and ending its threads, a generation of mirror rays.
     const MARGIN: f64 = 0.01;
-    let Some(limit) = options.measure.time_limit else { return Deadline::ON_INTERRUPT };
-    let bytes = options.pictures().count() as f64
-        * 3.0
-        * f64::from(options.width)
-        * f64::from(options.height)
-        * if options.color_is_numbers() { 4.0 } else { 1.0 };
-    Deadline::in_seconds(limit - bytes / BYTES_A_SECOND - MARGIN)
+    options.measure.time_limit.map_or(Deadline::ON_INTERRUPT, |limit| start.deadline(limit - MARGIN))
 }
 
 /// Writes the pictures.

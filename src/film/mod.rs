@@ -5,7 +5,7 @@
 mod numbers;
 mod png;
 
-pub use numbers::{NumberPicture, read_numbers, write_numbers};
+pub use numbers::{NumberPicture, encode_numbers, read_numbers, write_numbers};
 pub use png::{encode_png, write_png};
 
 use crate::options::Options;

@@ -9,7 +9,7 @@ use crate::options::has_extension;
 use crate::output::{leads_to_stream, write_whole};
 use crate::picture_file::{PictureFile, read_bytes};
 use image::{ImageBuffer, ImageFormat, Rgb};
-use std::io::{Cursor, Write};
+use std::io::{self, Cursor, Seek, Write};
 use std::path::Path;
 
 /// Three numbers a pixel, rows from the top.
@@ -31,30 +31,47 @@ fn is_pfm(path: &Path) -> bool {
 pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> Result<(), Error> {
     write_whole(path, "the picture", |writer| {
         if is_pfm(path) {
-            write!(writer, "PF\n{width} {height}\n-1.0\n")?;
-            for row in numbers.chunks_exact(3 * width as usize).rev() {
-                for number in row {
-                    writer.write_all(&number.to_le_bytes())?;
-                }
-            }
+            write_pfm(writer, width, height, numbers)
+        } else if leads_to_stream(path) {
+            // The library goes back in the file, which a pipe cannot.
+            writer.write_all(&encode_numbers(path, width, height, numbers)?)
         } else {
-            let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
-            let picture = picture.ok_or_else(|| std::io::Error::other("there are too few numbers"))?;
-            // The library calls this an error of decoding; its source says what happened.
-            let described = |error: image::ImageError| {
-                let source = std::error::Error::source(&error).map(ToString::to_string);
-                std::io::Error::other(source.unwrap_or_else(|| error.to_string()))
-            };
-            if leads_to_stream(path) {
-                // The library goes back in the file, which a pipe cannot.
-                let mut bytes = Cursor::new(Vec::new());
-                picture.write_to(&mut bytes, ImageFormat::OpenExr).map_err(described)?;
-                writer.write_all(bytes.get_ref())?;
-            } else {
-                picture.write_to(writer, ImageFormat::OpenExr).map_err(described)?;
-            }
+            write_exr(writer, width, height, numbers)
         }
-        Ok(())
+    })
+}
+
+/// Encodes a picture in memory; the same bytes as in the file that [`write_numbers`] writes.
+///
+/// # Errors
+/// As the library that encodes.
+pub fn encode_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> io::Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    if is_pfm(path) {
+        write_pfm(&mut bytes, width, height, numbers)?;
+    } else {
+        write_exr(&mut bytes, width, height, numbers)?;
+    }
+    Ok(bytes.into_inner())
+}
+
+fn write_pfm(writer: &mut impl Write, width: u32, height: u32, numbers: &[f32]) -> io::Result<()> {
+    write!(writer, "PF\n{width} {height}\n-1.0\n")?;
+    let mut bytes = vec![0; 12 * width as usize];
+    for row in numbers.chunks_exact(3 * width as usize).rev() {
+        bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(bytes, number)| *bytes = number.to_le_bytes());
+        writer.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+fn write_exr(writer: &mut (impl Write + Seek), width: u32, height: u32, numbers: &[f32]) -> io::Result<()> {
+    let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
+    let picture = picture.ok_or_else(|| io::Error::other("there are too few numbers"))?;
+    picture.write_to(writer, ImageFormat::OpenExr).map_err(|error| {
+        // The library calls this an error of decoding; its source says what happened.
+        let source = std::error::Error::source(&error).map(ToString::to_string);
+        io::Error::other(source.unwrap_or_else(|| error.to_string()))
     })
 }
 

@@ -10,6 +10,7 @@ use super::allocation::Allocation;
 use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{EXPECTED, ErrorEstimate, ErrorSums, Unseen};
 use super::error_map;
+use super::finishing::{Finishing, tried};
 use super::frame::{Frame, SampleCounts};
 use super::pilot;
 use super::pixel::{Pixel, store};
@@ -26,32 +27,31 @@ use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
-use crate::timing::Deadline;
+use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Number of the preview's sample set. The sets of the picture's halves begin at 0 and never get this far.
 const PREVIEW_SET: u32 = 1 << 30;
 
-/// Renders until the target error or `deadline` is reached. The picture is complete in any case.
-pub fn render(
-    scene: &Scene,
-    plan: &Plan,
-    options: &Options,
-    deadline: Deadline,
-    progress: &dyn Progress,
-) -> Frame {
+/// Number of tiles whose part of the picture is in memory twice: so many that all threads have work for long.
+const FINISHED_AT_ONCE: usize = 1024;
+
+/// Renders until the target error is reached, or until there is just enough time left before `limit` to write the
+/// picture. The picture is complete in any case.
+pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, progress: &dyn Progress) -> Frame {
     decode_faces_ahead(scene, plan, options);
-    let tiles = Tile::all(options.width, options.height).into_iter();
+    let tiles = Tile::all(options.width, options.height).into_par_iter();
     let maker = RayMaker::new(options);
     let empty = EmptyTiles::new(scene, plan, options, maker.grid);
     let (kind, halves) = match options.measure.sampler {
         SamplerKind::Sobol => (SetKind::Sequences, Halves::OfSequence),
         SamplerKind::Independent | SamplerKind::Stratified => (SetKind::Independent, Halves::Independent),
     };
+    let making = Instant::now();
     let mut picture = Picture {
         scene,
         plan,
@@ -59,20 +59,23 @@ pub fn render(
         maker: &maker,
         empty: &empty,
         kind,
-        deadline,
+        limit,
+        deadline: limit,
         tiles: tiles.map(|tile| Mutex::new(TileSamples::new(tile, plan, halves, empty.contain(&tile)))).collect(),
         progress,
         passes: 0,
         pilot: None,
+        finishing: Finishing::default(),
     };
     let render_preview = || Preview::render(scene, plan, options, &maker, PREVIEW_SET);
-    let preview = deadline.is_set().then(render_preview);
+    picture.finishing.making = making.elapsed();
+    let preview = limit.is_set().then(render_preview);
     match options.measure.target_error {
         Some(levels) => picture.sample_to_error(levels),
         None => picture.sample_evenly(),
     }
     // Without a time limit it is only needed after an interrupt.
-    let preview = preview.or_else(|| deadline.is_over().then(render_preview));
+    let preview = preview.or_else(|| limit.is_over().then(render_preview));
     picture.finish(preview)
 }
 
@@ -84,6 +87,8 @@ struct Picture<'a> {
     maker: &'a RayMaker,
     empty: &'a EmptyTiles,
     kind: SetKind,
+    /// When the picture must be written.
+    limit: Deadline,
     /// No work is begun after this time, and what is under way is thrown away.
     deadline: Deadline,
     tiles: Vec<Mutex<TileSamples>>,
@@ -91,6 +96,7 @@ struct Picture<'a> {
     passes: u32,
     /// Rays of the pilot, once it is done.
     pilot: Option<RayCounts>,
+    finishing: Finishing,
 }
 
 impl Picture<'_> {
@@ -168,20 +174,45 @@ impl Picture<'_> {
         self.deadline.is_over()
     }
 
-    /// Takes samples until every pixel has `goal` of them. Returns false if there was no time for all.
+    /// Takes samples until every pixel has `goal` of them. Returns false if there was no time for all, or is none for
+    /// more.
     fn pass(&mut self, goal: impl Fn(usize) -> u32 + Sync) -> bool {
-        let done = AtomicUsize::new(0);
-        let pass = self.passes;
+        let tried = tried(self.tiles.len());
+        if self.passes == 0 && self.limit.is_set() && !self.is_late() {
+            // What a few tiles with samples say is true of all.
+            self.advance_tiles(tried.clone(), &goal);
+            self.leave_time_to_finish(tried.clone());
+        }
+        self.advance_tiles(0..self.tiles.len(), &goal);
         self.passes += 1;
+        self.leave_time_to_finish(tried);
+        !self.is_late()
+    }
+
+    /// Takes samples in some tiles.
+    fn advance_tiles(&mut self, tiles: Range<usize>, goal: &(impl Fn(usize) -> u32 + Sync)) {
+        let (done, watch) = (AtomicUsize::new(0), Stopwatch::start());
         let tracer = || tracer(self.scene, self.plan, self.deadline);
-        self.tiles.par_iter().for_each_init(tracer, |tracer, tile| {
+        self.tiles[tiles].par_iter().for_each_init(tracer, |tracer, tile| {
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
-                self.advance_tile(&mut **tracer, &mut tile, pass, &goal);
+                self.advance_tile(&mut **tracer, &mut tile, self.passes, goal);
                 self.progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, self.tiles.len());
             }
         });
-        !self.is_late()
+        self.finishing.all_threads_worked(watch.times());
+    }
+
+    /// Moves the deadline so far before the limit as it will take to finish and to write the picture, if all its tiles
+    /// are like some of them.
+    fn leave_time_to_finish(&mut self, some: Range<usize>) {
+        if self.limit.is_set() {
+            let planes = Planes::wanted_by(self.options);
+            let finished = |tile: &Mutex<TileSamples>| Some(film_of(&*tile.lock().ok()?, None, planes));
+            let share = some.len() as f64 / self.tiles.len() as f64;
+            let time = self.finishing.time(self.options, &self.tiles[some], share, finished);
+            self.deadline = self.limit.earlier(time);
+        }
     }
 
     fn advance_tile(
@@ -266,22 +297,18 @@ impl Picture<'_> {
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         counts += self.pilot.unwrap_or_default();
         let mut samples = SampleCounts { passes: self.passes, ..SampleCounts::default() };
-        for tile in self.tiles {
-            let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
-            let place = tile.tile;
-            let pixel = |(index, pixel)| match &preview {
-                Some(preview) if tile.samples[index] == 0 => preview.pixel(pixel),
-                _ => tile.mean(index),
-            };
-            let pixels: Vec<Pixel> = place.pixels().enumerate().map(pixel).collect();
-            let mut tile_film = Film::new(place.width, place.height, planes);
-            store(&pixels, &mut tile_film);
-            if planes.error_map {
-                tile_film.set_variances(tile.variances.iter().copied());
+        let mut tiles = self.tiles.into_iter();
+        while tiles.len() > 0 {
+            let some: Vec<_> = tiles.by_ref().take(FINISHED_AT_ONCE).collect();
+            let finished = some.into_par_iter().map(|tile| {
+                let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
+                (film_of(&tile, preview.as_ref(), planes), tile)
+            });
+            for (tile_film, tile) in finished.collect::<Vec<_>>() {
+                film.place(tile.tile.x, tile.tile.row, &tile_film);
+                tile.samples.iter().for_each(|&count| samples.add_pixels(1, count));
+                counts += tile.counts;
             }
-            film.place(place.x, place.row, &tile_film);
-            tile.samples.iter().for_each(|&count| samples.add_pixels(1, count));
-            counts += tile.counts;
         }
         if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
             *variances = error_map::finished(variances, self.options.width as usize, 1.0, estimate);
@@ -294,4 +321,19 @@ impl Picture<'_> {
         };
         Frame { film, counts, samples, estimate, filter: Duration::ZERO }
     }
+}
+
+/// Turns the samples of a tile into its part of the picture. Pixels without samples show the preview.
+fn film_of(tile: &TileSamples, preview: Option<&Preview>, planes: Planes) -> Film {
+    let pixel = |(index, pixel)| match preview {
+        Some(preview) if tile.samples[index] == 0 => preview.pixel(pixel),
+        _ => tile.mean(index),
+    };
+    let pixels: Vec<Pixel> = tile.tile.pixels().enumerate().map(pixel).collect();
+    let mut film = Film::new(tile.tile.width, tile.tile.height, planes);
+    store(&pixels, &mut film);
+    if planes.error_map {
+        film.set_variances(tile.variances.iter().copied());
+    }
+    film
 }

@@ -9,6 +9,7 @@ mod allocation;
 mod empty_tiles;
 pub mod error_estimate;
 mod error_map;
+mod finishing;
 mod frame;
 mod pilot;
 mod pixel;

@@ -356,6 +356,21 @@ fn a_time_limit_is_used_and_kept() {
     assert_eq!(folder.picture("o.png").dimensions(), (60, 60));
 }
 
+/// A large picture of numbers takes long to write, and no second to write 48 MB.
+#[test]
+fn a_time_limit_leaves_the_time_that_writing_takes() {
+    let folder = Folder::new();
+    let scene = project("data/scene07_arch.txt");
+    let start = Instant::now();
+    let flags = "-size 2000 2000 -samples 20000 -time-limit 1 -output o.pfm -quiet";
+    let run = folder.a2(&format!("-input {} {flags}", scene.display()));
+    let seconds = start.elapsed().as_secs_f64();
+    assert!([0, i32::from(a2::INCOMPLETE)].contains(&run.exit_code), "{}", run.stderr);
+    // Three times the limit, for machines under load.
+    assert!((0.6..3.0).contains(&seconds), "{seconds}");
+    assert_eq!(std::fs::metadata(folder.path("o.pfm")).unwrap().len(), 12 * 2000 * 2000 + 18);
+}
+
 /// Between two mirrors a tile of paths of 100,000 bounces takes longer than the limit, the picture many seconds.
 #[test]
 fn a_time_limit_interrupts_long_mirror_paths() {

@@ -1,0 +1,106 @@
+//! [`Finishing`]: how long it takes to turn samples into a picture and to write it, for which a time limit must leave
+//! time.
+
+use super::tile_samples::TileSamples;
+use crate::film::{Film, Planes, encode_numbers, encode_png};
+use crate::options::Options;
+use crate::timing::Times;
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// What is known of the time that it takes to finish a picture.
+#[derive(Debug)]
+pub struct Finishing {
+    /// The time to make the tiles, which is mostly that to get memory.
+    pub making: Duration,
+    /// How many times longer work takes because other programs use the processors: at least 1.
+    crowding: f64,
+}
+
+impl Default for Finishing {
+    fn default() -> Self {
+        Self { making: Duration::ZERO, crowding: 1.0 }
+    }
+}
+
+impl Finishing {
+    /// Notes the time in which all threads had work, to see how much of the processors other programs take.
+    pub fn all_threads_worked(&mut self, times: Times) {
+        /// More is taken for a moment's disturbance.
+        const MOST: f64 = 8.0;
+        let (wall, cpu) = (times.wall.as_secs_f64(), times.cpu.as_secs_f64());
+        // Processor time is not known everywhere.
+        if cpu > 0.0 {
+            self.crowding = (threads() * wall / cpu).clamp(1.0, MOST);
+        }
+    }
+
+    /// Predicts the time for a whole picture, by doing the same with some tiles, in memory. They are such a `share` of
+    /// all. `finished` turns a tile into its part of the picture.
+    pub fn time<T>(
+        &self,
+        options: &Options,
+        tiles: &[T],
+        share: f64,
+        finished: impl Fn(&T) -> Option<Film>,
+    ) -> Duration {
+        // What other programs interrupt takes longer; the shorter of two tries was not interrupted.
+        let part = (0..2).filter_map(|_| time_of_part(options, tiles, &finished)).min().unwrap_or(Duration::ZERO);
+        part.mul_f64(self.crowding / share) + self.time_of_memory(options)
+    }
+
+    /// Returns how long it takes to get the memory of the film, and to give back all. It takes about a quarter of the
+    /// time to give it back. What is written gets memory of the system.
+    fn time_of_memory(&self, options: &Options) -> Duration {
+        let planes = Planes::wanted_by(options);
+        let tiles = TileSamples::bytes_per_pixel(planes) as f64;
+        let film = planes.bytes_per_pixel() as f64;
+        let file = if options.color_is_numbers() { 12.0 } else { 0.0 };
+        self.making.mul_f64((0.25 * tiles + 1.25 * film + file) / tiles)
+    }
+}
+
+/// Returns the tiles that stand for all: in the middle of the picture, so few that they take almost no time, and so
+/// many that it is measured well enough.
+pub fn tried(tiles: usize) -> Range<usize> {
+    let tried = (tiles / 128).clamp(8, 128);
+    let first = (tiles / 2).saturating_sub(tried / 2);
+    first..(first + tried).min(tiles)
+}
+
+/// Returns how long it takes to finish and to encode some tiles, on all threads where all can work.
+fn time_of_part<T>(options: &Options, tiles: &[T], finished: impl Fn(&T) -> Option<Film>) -> Option<Duration> {
+    let start = Instant::now();
+    let films: Vec<Film> = tiles.iter().filter_map(finished).collect();
+    let finishing = start.elapsed().div_f64(threads());
+    let start = Instant::now();
+    let sides = || films.iter().map(|film| (film.width, film.height));
+    let (width, height) = (sides().map(|side| side.0).sum(), sides().map(|side| side.1).max()?);
+    let mut strip = Film::new(width, height, Planes::wanted_by(options));
+    let mut x = 0;
+    for film in &films {
+        strip.place(x, 0, film);
+        x += film.width;
+    }
+    Some(finishing + start.elapsed() + time_to_encode(options, &strip))
+}
+
+/// Returns how long it takes to encode a film's pictures. All threads encode PNGs, one the numbers.
+fn time_to_encode(options: &Options, film: &Film) -> Duration {
+    let start = Instant::now();
+    let color = film.color.as_ref().filter(|_| !options.color_is_numbers());
+    for plane in [color, film.normals.as_ref(), film.depth.as_ref()].into_iter().flatten() {
+        // An error would come again when the picture is written, and be reported.
+        drop(encode_png(film.width, film.height, plane));
+    }
+    let png = start.elapsed().div_f64(threads());
+    let start = Instant::now();
+    if let (Some(path), Some(numbers), true) = (&options.color, &film.linear, options.color_is_numbers()) {
+        drop(encode_numbers(path, film.width, film.height, numbers));
+    }
+    png + start.elapsed()
+}
+
+fn threads() -> f64 {
+    rayon::current_num_threads() as f64
+}
