@@ -47,7 +47,8 @@ pub fn svg(options: &Options, points: &[Point]) -> String {
     let mut drawing = Drawing::new(WIDTH, HEIGHT);
     drawing.data(&csv(points));
     let Options { width, height, .. } = options;
-    let title = format!("{}, {width} x {height}", options.input.display());
+    let filter = if options.filter { ", -filter" } else { "" };
+    let title = format!("{}, {width} x {height}{filter}", options.input.display());
     drawing.words((WIDTH / 2.0, 26.0), "middle", " font-size=\"16\"", &title);
     for (line, y) in sentences(options, points).lines().zip([48.0, 66.0]) {
         drawing.words((WIDTH / 2.0, y), "middle", "", line);

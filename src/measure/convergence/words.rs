@@ -33,10 +33,13 @@ fn level_of_interest(curves: &[Curve]) -> Option<f64> {
     Some(if (least..=most).contains(&power.exp2()) { power.exp2() } else { least })
 }
 
-/// Returns the curve that reaches an error in the least processor time.
+/// Returns the curve that reaches an error in the least processor time; what is measured goes
+/// before what is extrapolated.
 fn cheapest<'a>(curves: &'a [Curve<'a>], error: f64) -> Option<(&'a Curve<'a>, Cost)> {
     let costs = curves.iter().filter_map(|curve| Some((curve, curve.cost(error)?)));
-    costs.min_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds))
+    costs.min_by(|(_, a), (_, b)| {
+        a.is_extrapolated.cmp(&b.is_extrapolated).then(a.cpu_seconds.total_cmp(&b.cpu_seconds))
+    })
 }
 
 /// Returns a number with at least two digits that count.
