@@ -25,7 +25,8 @@ SIZE = int(os.environ.get("SIZE", "100"))
 # scene01: the words of its command line.
 SCENES = {scene.short_name: [f"{scene.name}.txt", *scene.flags] for scene in batch.read()}
 SAMPLERS = ("independent", "stratified", "sobol")
-TARGETS = (16, 8, 4, 2, 1, 0.5, 0.25)
+# Of a2 beside POV-Ray.
+TARGETS = (4, 2, 1, 0.5, 0.25)
 # Samples of the last point of a curve. The reference has sixteen times as many.
 MOST = {"": 64, "-filter": 16}
 
@@ -33,8 +34,9 @@ MOST = {"": 64, "-filter": 16}
 def a2(scene, flags, binary=A2, size=SIZE):
     """Runs a2 on a scene and returns its standard error output."""
     name, *scene_flags = SCENES[scene]
-    command = [binary, "-input", ROOT / "data" / name, "-size", size, size, *scene_flags, *map(str, flags)]
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    # Relative to the project, because the figures show the scene's name as it is given.
+    command = [binary, "-input", f"data/{name}", "-size", size, size, *scene_flags, *map(str, flags)]
+    done = subprocess.run([str(word) for word in command], cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}: {done.stderr}")
     return done.stderr
@@ -67,43 +69,35 @@ def reference(scene, filtered, folder):
 
 
 def curves(folder):
-    """Measures error and cost of every sampler and of adaptive sampling, in every scene, with and without -filter."""
+    """Measures error and cost of every sampler and of adaptive sampling, in every scene, with and without -filter.
+
+    a2 draws the figures, and keeps their numbers in them as metadata.
+    """
     rows = []
+    OUT.mkdir(parents=True, exist_ok=True)
     for filtered, most in MOST.items():
         for scene in SCENES:
             truth, own_error = reference(scene, filtered, folder)
             common = {"scene": scene, "filter": "yes" if filtered else "no", "reference_error": own_error}
-            flags = ["-output", folder / "o.png", "-reference", truth, *filtered.split()]
-            for sampler in SAMPLERS:
-                table = folder / "c.csv"
-                a2(scene, [*flags, "-sampler", sampler, "-samples", most, "-convergence", table, "-quiet"])
-                for point in csv.DictReader(open(table)):
-                    rows.append({
-                        **common,
-                        "method": sampler,
-                        "samples": int(point["samples"]) * (9 if filtered else 1),
-                        "rays": point["rays"],
-                        "cpu_seconds": point["cpu_seconds"],
-                        "wall_seconds": point["seconds"],
-                        "estimated": point["estimated_rmse_levels"],
-                        "low_95": point["estimated_low_95"],
-                        "high_95": point["estimated_high_95"],
-                        "true": point["true_rmse_levels"],
-                    })
-            for target in TARGETS:
-                found = report(scene, [*flags, "-target-error", target], folder)
-                levels = found["estimated_error"]["levels"]
+            figure = OUT / f"{scene}{filtered}.svg"
+            a2(scene, ["-output", folder / "o.png", "-reference", truth, *filtered.split(), "-samples", most,
+                       "-convergence", figure, "-quiet"])
+            table = figure.read_text().split("<metadata>")[1].split("</metadata>")[0].strip()
+            for point in csv.DictReader(table.splitlines()):
                 rows.append({
                     **common,
-                    "method": "adaptive",
-                    "samples": found["rays"]["camera"] / SIZE**2,
-                    "rays": found["rays"]["total"],
-                    "cpu_seconds": found["phases"]["render"]["cpu_seconds"],
-                    "wall_seconds": found["phases"]["render"]["wall_seconds"],
-                    "estimated": levels["rmse"],
-                    "low_95": levels["low_95"],
-                    "high_95": levels["high_95"],
-                    "true": found["true_error"]["rmse_levels"],
+                    "method": point["sampler"],
+                    # Of adaptive sampling all rays count, also those that only look where samples are needed.
+                    "samples": point["camera_rays_a_pixel"] if point["target_levels"]
+                    else int(point["samples"]) * (9 if filtered else 1),
+                    "target": point["target_levels"],
+                    "rays": point["rays"],
+                    "cpu_seconds": point["cpu_seconds"],
+                    "wall_seconds": point["seconds"],
+                    "estimated": point["estimated_rmse_levels"],
+                    "low_95": point["estimated_low_95"],
+                    "high_95": point["estimated_high_95"],
+                    "true": point["true_rmse_levels"],
                 })
             print(scene, filtered or "plain", flush=True)
     write_csv("curves", rows)
@@ -184,7 +178,11 @@ def f32(folder):
 
 
 def povray(folder):
-    """Measures POV-Ray's antialiasing against a very fine picture of its own, in files of 16 bits a channel."""
+    """Measures POV-Ray's antialiasing against a very fine picture of its own, in files of 16 bits a channel.
+
+    Their values are linear, as a2's are: without File_Gamma they would be coded as sRGB, and the errors of dark pixels
+    larger.
+    """
     if not shutil.which("povray"):
         print("povray is not installed: its part is left out")
         return
@@ -195,7 +193,7 @@ def povray(folder):
 
     def rendered(flags):
         picture = folder / "pov.ppm"
-        command = ["povray", f"+I{source.name}", f"+O{picture}", "+FP16", f"+W{size}", f"+H{size}", "-D", "+WT1", *flags]
+        command = ["povray", f"+I{source.name}", f"+O{picture}", "+FP16", "File_Gamma=1.0", f"+W{size}", f"+H{size}", "-D", "+WT1", *flags]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(command, cwd=folder, check=True, capture_output=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -212,7 +210,7 @@ def povray(folder):
     truth = folder / "large.pfm"
     a2(scene, ["-output", truth, "-sampler", "sobol", "-samples", 512, "-seed", 987654321, "-quiet"], size=size)
     against = ["-output", folder / "o.png", "-reference", truth]
-    for flags in [*(f"-samples {n}" for n in (1, 2, 4, 8, 16, 32)), *(f"-target-error {e}" for e in TARGETS[2:])]:
+    for flags in [*(f"-samples {n}" for n in (1, 2, 4, 8, 16, 32)), *(f"-target-error {e}" for e in TARGETS)]:
         found = report(scene, [*against, *flags.split()], folder, size=size)
         rows.append({"scene": scene, "program": "a2", "flags": flags, "cpu_seconds": sum(times["cpu_seconds"] for times in found["phases"].values()),
                      "true": found["true_error"]["rmse_levels"]})

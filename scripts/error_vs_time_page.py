@@ -12,8 +12,6 @@ from log_plot import write_svg
 METHODS = ("independent", "stratified", "sobol", "adaptive")
 # Two-sided 95% points of Student's t distribution, by degrees of freedom.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31)
-# In the first points of a curve most of the time is overhead: starting threads, decoding the cube map.
-FITTED_FROM = 4
 
 
 def write(root, size):
@@ -65,20 +63,17 @@ sixteen times the samples of the best point of a curve. Its own estimated error,
 """ + "\n".join(table) + "\n"
 
     def curves(self, filtered):
-        title = "With `-filter`" if filtered == "yes" else "Without `-filter`"
+        title, name = ("With `-filter`", "-filter") if filtered == "yes" else ("Without `-filter`", "")
         lines = [f"## {title}\n"]
-        for scene in self.scenes:
-            curves = [(method, self.points(scene, filtered, method)) for method in METHODS]
-            name = f"{scene}-filter" if filtered == "yes" else scene
-            lines.append(self.svg(name, f"{scene}{', -filter' if filtered == 'yes' else ''}", "CPU seconds",
-                                  "true RMSE, levels", curves))
+        if filtered == "no":
+            lines.append("Drawn by `a2 -convergence`, the reference as `-reference`.\n")
+        lines += [f"![{scene}{name and ', ' + name}](error-vs-time/{scene}{name}.svg)" for scene in self.scenes]
         return "\n".join(lines) + "\n"
 
     def slopes(self):
-        lines = [f"""## Slopes
+        lines = ["""## Slopes
 
-Of log error against log CPU time and against log samples, by least squares over the points from {FITTED_FROM} samples on
-(two for each of the nine with `-filter`; all targets for adaptive sampling), with 95% confidence bands. -0.5 is what independent samples must give; cells that
+Of log error against log CPU time and against log samples, by least squares over all points, with 95% confidence bands. -0.5 is what independent samples must give; cells that
 an edge crosses give -0.75, smooth shading up to -1.5.
 
 | scene | filter | """ + " | ".join(f"{m}, time | {m}, samples" for m in METHODS) + " |",
@@ -87,8 +82,7 @@ an edge crosses give -0.75, smooth shading up to -1.5.
             for filtered in ("no", "yes"):
                 cells = []
                 for method in METHODS:
-                    least = {"no": FITTED_FROM, "yes": 9 * FITTED_FROM / 2}[filtered] if method != "adaptive" else 0
-                    rows = [row for row in self.rows if row["samples"] >= least and
+                    rows = [row for row in self.rows if
                             (row["scene"], row["filter"], row["method"]) == (scene, filtered, method)]
                     for x in ("cpu_seconds", "samples"):
                         cells.append(slope([(row[x], row["true"]) for row in rows]))
@@ -100,8 +94,7 @@ an edge crosses give -0.75, smooth shading up to -1.5.
 
 Measured by 16 independent samples a pixel (144 with `-filter`): the error of the other methods in the same CPU time, the
 CPU time they need for the same error, and their efficiency, 1/(mean squared error x time), at that time, all as multiples of those of the
-independent sampler. Between the points of a curve by straight lines on logarithmic axes; `>` and `<` where a curve ends before. Each adaptive point is a run of its own, whose time
-contains decoding the cube map (scenes 06 and 07); the other curves have done that once, before their second point.
+independent sampler. Between the points of a curve by straight lines on logarithmic axes; `>` and `<` where a curve ends before.
 
 | scene | filter | """ + " | ".join(f"{m}: error | time | efficiency" for m in METHODS[1:]) + " |",
                  "|---|---|" + "---|---|---|" * (len(METHODS) - 1)]
@@ -148,7 +141,7 @@ are at least as good as 16 independent ones.
         lines = ["""## Adaptive sampling against the fixed 144 rays of `-jitter -filter`
 
 Camera rays a pixel. *At 144's error*: what adaptive sampling needs to reach the error of the fixed 144. *Target 0.5*: what
-`-target-error 0.5` took, and its true error, and the fixed number of rays that gives the same true error (by the fixed
+`-target-error 0.5` took (or the largest target below it), and its true error, and the fixed number of rays that gives the same true error (by the fixed
 samples' slope of -0.75 in error). The goal was a fifth.
 
 | scene | true error of 144 | rays at 144's error | share | rays at target 0.5 | true error | fixed rays for that | share |
@@ -156,8 +149,12 @@ samples' slope of -0.75 in error). The goal was a fifth.
         for scene in self.scenes:
             points = self.points(scene, "yes", "adaptive", "samples")
             needed, sign = between([(y, x) for x, y in points], fixed[scene])
-            half = next(row for row in self.rows if row["method"] == "adaptive" and row["filter"] == "yes"
-                        and row["scene"] == scene and row["estimated"] <= 0.5)
+            half = next((row for row in self.rows if row["method"] == "adaptive" and row["filter"] == "yes"
+                         and row["scene"] == scene and row["estimated"] <= 0.5), None)
+            if half is None:
+                # No fixed number of samples of the curve has so small an error.
+                lines.append(f"| {scene} | {fixed[scene]:.3f} | {sign}{needed:.1f} | {sign}{needed / 144:.0%} | - | - | - | - |")
+                continue
             same = 144 * (half["true"] / fixed[scene]) ** (-1 / 0.75)
             lines.append(f"| {scene} | {fixed[scene]:.3f} | {sign}{needed:.1f} | {sign}{needed / 144:.0%} | "
                          f"{half['samples']:.1f} | {half['true']:.3f} | {same:.1f} | {half['samples'] / same:.0%} |")
@@ -235,7 +232,7 @@ The build with the cargo feature `f32` against the usual one: the same rays (`-f
         lines = [f"""## POV-Ray's own antialiasing, {scene}
 
 POV-Ray 3.7 on the scene as `benches/peers/translate.py` writes it, {3 * self.size} x {3 * self.size} pixels, each of its
-pictures against a very fine one of its own (`+A0.0 +AM1 +R24 -J`), at 16 bits a channel; a2's against a fine one of a2. The
+pictures against a very fine one of its own (`+A0.0 +AM1 +R24 -J`), at 16 bits a channel and linear (`File_Gamma=1.0`); a2's against a fine one of a2. The
 times are those of POV-Ray's whole process and of all of a2's phases. POV-Ray's `+AM2` is adaptive.
 
 | program | flags | CPU seconds | RMSE, levels |
