@@ -13,7 +13,7 @@ pub struct Curve<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     pub cpu_seconds: f64,
-    /// Camera rays a pixel.
+    /// A pixel.
     pub samples: f64,
     /// Whether the curve ends before this error, and its slope was followed.
     pub is_extrapolated: bool,
@@ -51,7 +51,7 @@ impl<'a> Curve<'a> {
     pub fn cost(&self, error: f64) -> Option<Cost> {
         let errors: Vec<f64> = self.points.iter().map(|point| point.error().unwrap_or(0.0)).collect();
         let (costs, rays): (Vec<f64>, Vec<f64>) =
-            self.points.iter().map(|point| (point.cpu_seconds(), point.camera_rays)).unzip();
+            self.points.iter().map(|point| (point.cpu_seconds(), point.samples_a_pixel)).unzip();
         let after = errors.iter().position(|&other| other <= error);
         match after {
             Some(0) if errors[0] < error => None,
@@ -67,7 +67,8 @@ impl<'a> Curve<'a> {
                     let slope = self.cautious_slope(cost)?;
                     Some(cost(last) * (error / last.error()?).powf(1.0 / slope))
                 };
-                let (cpu_seconds, samples) = (further(Point::cpu_seconds)?, further(|point| point.camera_rays)?);
+                let (cpu_seconds, samples) =
+                    (further(Point::cpu_seconds)?, further(|point| point.samples_a_pixel)?);
                 Some(Cost { cpu_seconds, samples, is_extrapolated: true })
             }
         }

@@ -37,8 +37,8 @@ const AGAINST: [Against; 2] = [
     Against { quantity: Quantity::Seconds, label: "processor time of all threads", cost: Point::cpu_seconds },
     Against {
         quantity: Quantity::Samples,
-        label: "samples a pixel (all camera rays)",
-        cost: |point| point.camera_rays,
+        label: "samples a pixel (adaptive: all camera rays)",
+        cost: |point| point.samples_a_pixel,
     },
 ];
 

@@ -49,7 +49,10 @@ pub struct Point {
     pub method: Method,
     /// A pixel of the traced grid, in the mean.
     pub samples: f64,
-    /// Camera rays a pixel of the picture. Adaptive sampling traces some before it takes samples.
+    /// Samples a pixel of the picture, as they are asked for; of adaptive sampling all camera rays, because it traces
+    /// some before it takes samples.
+    pub samples_a_pixel: f64,
+    /// Camera rays a pixel of the picture: fewer than samples where it shows nothing but background.
     pub camera_rays: f64,
     /// The error that adaptive sampling was to reach, in levels.
     pub target: Option<f64>,
@@ -148,13 +151,17 @@ impl Studio<'_> {
     fn picture(&self, method: Method, options: Options) -> (Frame, Picture) {
         let (frame, times) = timed(|| self.render(method, &options));
         let pixels = f64::from(options.width) * f64::from(options.height);
+        let grid = f64::from(options.grid_pixels());
+        let camera_rays = frame.counts.camera as f64 / pixels;
+        let (samples, samples_a_pixel) = match method {
+            Method::Fixed(_) => (f64::from(options.samples()), f64::from(options.samples()) * grid),
+            Method::Adaptive => (frame.samples.mean() / grid, camera_rays),
+        };
         let point = Point {
             method,
-            samples: match method {
-                Method::Fixed(_) => f64::from(options.samples()),
-                Method::Adaptive => frame.samples.mean() / f64::from(options.grid_pixels()),
-            },
-            camera_rays: frame.counts.camera as f64 / pixels,
+            samples,
+            samples_a_pixel,
+            camera_rays,
             target: options.measure.target_error,
             times,
             rays: frame.counts.total(),

@@ -71,7 +71,7 @@ fn table(points: &[Point]) -> String {
         };
         let cells = [
             method,
-            short(point.camera_rays),
+            short(point.samples_a_pixel),
             time(point.cpu_seconds()),
             time(point.times.wall.as_secs_f64()),
             known(levels.map(|levels| levels.rmse)),

@@ -11,6 +11,7 @@ fn point(method: Method, samples: f64, seconds: f64, error: f64) -> Point {
     Point {
         method,
         samples,
+        samples_a_pixel: samples,
         camera_rays: samples,
         target: None,
         times: Times { wall: Duration::from_secs_f64(seconds), cpu: Duration::from_secs_f64(seconds) },
