@@ -53,9 +53,8 @@ Made by `scripts/error_vs_time.sh` from the files in `error-vs-time/`; do not ed
 
 *Error* is the root mean square, over all pixels and channels, of the difference from a reference, with colours clamped
 to [0, 1], times 255 and not truncated: byte levels. *Time* is CPU time of all threads, because it is steadier than the
-clock on a machine that others use too; the clock's is in the raw numbers. The curves' pictures are those that know their
-own error: stratified and Sobol samples are taken in two independent halves, which costs them about a fifth in error
-against undivided samples. The reference is a picture by Sobol samples from another seed, with
+clock on a machine that others use too; the clock's is in the raw numbers. Reading the scene, building trees and decoding
+the cube map are in no point. The reference is a picture by Sobol samples from another seed, with
 sixteen times the samples of the best point of a curve. Its own estimated error, in levels:
 
 | scene | reference, plain | with `-filter` |
@@ -158,16 +157,7 @@ samples' slope of -0.75 in error). The goal was a fifth.
             same = 144 * (half["true"] / fixed[scene]) ** (-1 / 0.75)
             lines.append(f"| {scene} | {fixed[scene]:.3f} | {sign}{needed:.1f} | {sign}{needed / 144:.0%} | "
                          f"{half['samples']:.1f} | {half['true']:.3f} | {same:.1f} | {half['samples'] / same:.0%} |")
-        return "\n".join(lines) + """
-
-By its own target of 0.5, six of the seven scenes take less than a fifth of 144 rays; against the fixed number of rays that has the
-same true error, fewer do. What stands in the way of a smaller share: six rays a pixel are spent before anything is known (four that look around and are
-thrown away, and two that know their own error); a picture in two halves needs about a quarter more rays than an undivided
-one; and the smaller the picture, the more of its pixels lie on an edge. In scene06 nearly no pixel of the bunny is flat: each
-of its mirroring faces, smoothly shaded, shows the whole surroundings in a few pixels. In scenes 01, 03, 05 and 07 few fixed
-rays are enough for the same true error, so that the six spent beforehand are most of a fifth of them; scene04 is edges all over,
-along each of its thin axes.
-"""
+        return "\n".join(lines) + "\n"
 
     def coverage(self):
         path = self.folder / "coverage.md"
