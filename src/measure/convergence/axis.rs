@@ -59,7 +59,7 @@ impl Axis {
             Quantity::Samples => {
                 let every = (decades * 10_f64.log2() / 8.0).ceil() as i32;
                 let powers = low.log2().ceil() as i32..=high.log2().floor() as i32;
-                powers.map(|power| (f64::from(power).exp2(), power % every == 0)).collect()
+                powers.map(|power| (2_f64.powi(power), power % every == 0)).collect()
             }
             Quantity::Levels | Quantity::Seconds => {
                 let labelled: &[i32] = if decades < 2.5 { &[1, 2, 5] } else { &[1] };

@@ -42,7 +42,7 @@ impl<'a> Curve<'a> {
 
     /// Fits the slope of the error against a cost.
     pub fn slope(&self, cost: impl Fn(&Point) -> f64) -> Option<Slope> {
-        let logarithms = self.points.iter().map(|point| (cost(point).ln(), point.error().unwrap_or(0.0).ln()));
+        let logarithms = self.points.iter().map(|point| (cost(point).log2(), point.error().unwrap_or(0.0).log2()));
         fitted_slope(&logarithms.filter(|(x, y)| x.is_finite() && y.is_finite()).collect::<Vec<_>>())
     }
 
@@ -57,7 +57,7 @@ impl<'a> Curve<'a> {
             Some(0) if errors[0] < error => None,
             Some(0) => Some(Cost { cpu_seconds: costs[0], samples: rays[0], is_extrapolated: false }),
             Some(i) => {
-                let share = (error / errors[i - 1]).ln() / (errors[i] / errors[i - 1]).ln();
+                let share = (error / errors[i - 1]).log2() / (errors[i] / errors[i - 1]).log2();
                 let between = |of: &[f64]| of[i - 1] * (of[i] / of[i - 1]).powf(share);
                 Some(Cost { cpu_seconds: between(&costs), samples: between(&rays), is_extrapolated: false })
             }

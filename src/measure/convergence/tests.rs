@@ -24,7 +24,7 @@ fn point(method: Method, samples: f64, seconds: f64, error: f64) -> Point {
 /// Makes points of 2, 4, 8 ... samples, of which two cost a second, with errors of 4, 2, 1 ... times 2^`steepness`.
 fn points(method: Method, count: i32, seconds: f64, steepness: f64) -> Vec<Point> {
     let one = |i: i32| {
-        let factor = f64::from(i).exp2();
+        let factor = 2_f64.powi(i);
         point(method, 2.0 * factor, seconds * factor, 4.0 * factor.powf(-steepness))
     };
     (0..count).map(one).collect()
