@@ -233,24 +233,11 @@ def ppm_levels(data):
     return [255.0 * value / most for value in rest]
 
 
-def coverage(_):
-    """Runs the long test of the estimate (100 seeds of every scene with every sampler), and keeps its table."""
-    command = ["cargo", "test", "--release", "--quiet", "--test", "pictures", "--",
-               "--ignored", "--nocapture", "estimated_interval"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    lines = [line for line in done.stdout.splitlines() if line.startswith(("|", "-stats"))]
-    if done.returncode or not lines:
-        print(f"the test of the estimate has failed:\n{done.stdout}{done.stderr}")
-    table = [line for line in lines if line.startswith("|")]
-    totals = [f"- {line}" for line in lines if line.startswith("-stats")]
-    (OUT / "coverage.md").write_text("\n".join([*table, "", "All scenes together, shares of runs:", "", *totals]) + "\n")
-
-
 def main():
-    parts = os.environ.get("PARTS", "curves samples coverage bounces f32 povray page").split()
+    parts = os.environ.get("PARTS", "curves samples bounces f32 povray page").split()
     with tempfile.TemporaryDirectory() as folder:
-        for name, part in (("curves", curves), ("samples", samples), ("coverage", coverage), ("bounces", bounces),
-                           ("f32", f32), ("povray", povray)):
+        for name, part in (("curves", curves), ("samples", samples), ("bounces", bounces), ("f32", f32),
+                           ("povray", povray)):
             if name in parts:
                 part(Path(folder))
     if "page" in parts:
