@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what -target-error costs, and writes docs/adaptive-sampling.md. Ten minutes on a quiet machine.
+"""Measures what -target-error costs, and writes docs/adaptive-sampling.md. A minute or two on a quiet machine for SIZES=300.
 
 First the camera rays a pixel for a true error of half a level, then the processor time as a multiple of what the best
 fixed number of samples takes for the same true error. SIZES and SEEDS change how much is measured.
