@@ -52,6 +52,7 @@ use error::Error;
 use measure::{Phases, Point, Reference, Report};
 use memory::Budget;
 use options::{CompareOptions, Options};
+use output::say;
 use plan::Plan;
 use progress::Bar;
 use render::Frame;
@@ -59,7 +60,6 @@ use scene::{Compiled, Scene, compile};
 use scene_file::Description;
 use std::ffi::OsString;
 use timing::{Deadline, Stopwatch, Times, timed};
-use write::say;
 
 /// The output and the exit code of a run.
 #[derive(Debug)]

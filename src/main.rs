@@ -17,8 +17,7 @@ fn main() -> ExitCode {
         },
         Err((error, exit_code)) => (error.to_string(), exit_code),
     };
-    // There is nobody to tell that this cannot be written.
-    let _ = writeln!(std::io::stderr(), "error: {message}");
+    a2::output::say(&format!("error: {message}\n"));
     ExitCode::from(exit_code)
 }
 

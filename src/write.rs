@@ -5,7 +5,7 @@ use crate::film::{self, Film};
 use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
-use crate::output;
+use crate::output::{self, say};
 use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
@@ -13,11 +13,6 @@ use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
-
-/// Writes to standard error. Errors of writing are ignored, because a closed pipe is no reason to fail.
-pub fn say(text: &str) {
-    let _ = std::io::stderr().write_all(text.as_bytes());
-}
 
 /// Checks before a long computation that all files can be written, and that none of them is read.
 ///

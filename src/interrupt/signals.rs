@@ -1,13 +1,12 @@
 //! Waits for signals in a thread of its own.
 
 use super::ENDS_RENDERING;
-use crate::output::remove_unfinished;
+use crate::output::{remove_unfinished, say};
 use crate::timing::interrupt_rendering;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::{emulate_default_handler, signal_name};
-use std::io::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::Builder;
@@ -38,11 +37,6 @@ fn handle(signal: i32) {
         // Ends the process with the exit status of the signal.
         let _ = emulate_default_handler(signal);
     });
-}
-
-fn say(text: &str) {
-    // SIGHUP says that the terminal is closed.
-    let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
 /// Returns the mask of the signals that were ignored when the process started. Only Linux says so.

@@ -14,6 +14,12 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use temporary::Temporary;
 
+/// Writes to standard error. Errors of writing are ignored: where the terminal or a pipe is closed, there is nobody to
+/// tell.
+pub fn say(text: &str) {
+    let _ = io::stderr().write_all(text.as_bytes());
+}
+
 /// Writes a file by calling `write`. Errors call it `what`. Links are followed; a file that is replaced leaves its
 /// permissions to the new one; devices and pipes are written into.
 ///
