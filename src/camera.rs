@@ -47,27 +47,25 @@ impl Camera {
     /// Returns where the ray through a point goes through the picture, in normalised device coordinates; `None` unless
     /// the point lies clearly before the camera.
     pub fn ndc_of(&self, point: Vector3) -> Option<(Real, Real)> {
-        // point - center = s (forward + x horizontal + y up), by Cramer's rule, in multiples of the determinant.
-        let (to_point, normal) = (point - self.center, self.horizontal.cross(self.up));
-        let along = to_point.dot(normal);
-        let across =
-            (to_point.dot(self.up.cross(self.forward)), to_point.dot(self.forward.cross(self.horizontal)));
-        let is_before = along / self.forward.dot(normal) > 1e-6 * to_point.length() / self.forward.length();
-        is_before.then_some((across.0 / along, across.1 / along))
+        let [right, up, into] = self.coordinates(point);
+        let is_before = into > 1e-6 * (point - self.center).length() / self.forward.length();
+        is_before.then_some((right / into, up / into))
     }
 
     /// Returns whether a part of a box may lie in the picture, without the half pixels beyond its border.
     pub fn may_see(&self, bounds: &Aabb) -> bool {
+        let corners = bounds.corners().map(|corner| self.coordinates(corner));
+        let all = |is_outside: fn(&[Real; 3]) -> bool| corners.iter().all(is_outside);
+        !(all(|c| c[0] > c[2]) || all(|c| c[0] < -c[2]) || all(|c| c[1] > c[2]) || all(|c| c[1] < -c[2]))
+    }
+
+    /// Returns how far to the right, up and into the picture a point lies, in multiples of the camera's vectors.
+    fn coordinates(&self, point: Vector3) -> [Real; 3] {
+        // Cramer's rule.
         let normals =
             [self.up.cross(self.forward), self.forward.cross(self.horizontal), self.horizontal.cross(self.up)];
         let volume = self.forward.dot(normals[2]);
-        // Where each corner lies: how far to the right, up, and into the picture.
-        let corners = bounds.corners().map(|corner| {
-            let offset = corner - self.center;
-            normals.map(|normal| normal.dot(offset) * volume.signum())
-        });
-        let all = |is_outside: fn(&[Real; 3]) -> bool| corners.iter().all(is_outside);
-        !(all(|c| c[0] > c[2]) || all(|c| c[0] < -c[2]) || all(|c| c[1] > c[2]) || all(|c| c[1] < -c[2]))
+        normals.map(|normal| normal.dot(point - self.center) / volume)
     }
 
     /// Returns the direction of that ray before it is normalised.
@@ -115,6 +113,12 @@ impl PixelGrid {
             _ => 2.0 * place / (count - 1) as Real - 1.0,
         };
         (ndc(x, self.width), ndc(y, self.height))
+    }
+
+    /// Returns the place with these coordinates; `None` in a grid one pixel wide, where all places have the same.
+    pub fn place_of(&self, (x, y): (Real, Real)) -> Option<Place> {
+        let place = |ndc: Real, count: u32| (count > 1).then(|| (ndc + 1.0) * 0.5 * (count - 1) as Real);
+        Some((place(x, self.width)?, place(y, self.height)?))
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::allocation::Allocation;
 use super::empty_tiles::EmptyTiles;
-use super::error_estimate::{EXPECTED, ErrorEstimate, ErrorSums, Unseen};
+use super::error_estimate::{ErrorEstimate, ErrorSums};
 use super::error_map;
 use super::finishing::{Finishing, tried};
 use super::frame::{Frame, SampleCounts};
@@ -22,6 +22,7 @@ use super::tile_samples::{Halves, TileSamples, Wanted};
 use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use super::uniform::RAYS_AT_ONCE;
+use super::unseen::Unseen;
 use crate::film::{Film, Planes};
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
@@ -46,7 +47,7 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, pr
     decode_faces_ahead(scene, plan, options);
     let tiles = Tile::all(options.width, options.height).into_par_iter();
     let maker = RayMaker::new(options);
-    let empty = EmptyTiles::new(scene, plan, options, maker.grid);
+    let empty = EmptyTiles::new(scene, plan, options, &maker);
     let (kind, halves) = match options.measure.sampler {
         SamplerKind::Sobol => (SetKind::Sequences, Halves::OfSequence),
         SamplerKind::Independent | SamplerKind::Stratified => (SetKind::Independent, Halves::Independent),
@@ -85,7 +86,7 @@ struct Picture<'a> {
     plan: &'a Plan,
     options: &'a Options,
     maker: &'a RayMaker,
-    empty: &'a EmptyTiles,
+    empty: &'a EmptyTiles<'a>,
     kind: SetKind,
     /// When the picture must be written.
     limit: Deadline,
@@ -127,7 +128,7 @@ impl Picture<'_> {
             let Some(estimate) = self.estimate() else { return };
             allocation.calibrate(estimate.seen.powi(2));
             if self.passes > 1 {
-                if allocation.expected() + EXPECTED * estimate.unseen.powi(2) <= aim {
+                if allocation.expected() + estimate.expected_unseen() <= aim {
                     return;
                 }
                 allocation.refine(&self.sample_variances(order), size.0 as usize);
@@ -259,10 +260,8 @@ impl Picture<'_> {
     /// Fills a tile through which nothing but a background of one colour is seen: one ray shows it.
     fn fill_tile(&self, tracer: &mut dyn Tracer, tile: &mut TileSamples) {
         if tile.samples[0] == 0 {
-            let mut seen = Vec::new();
-            tracer.trace(self.maker.grid, &[self.maker.corner((tile.tile.x, tile.tile.row))], &mut seen);
-            debug_assert!(seen[0].depth.is_none(), "it is empty");
-            tile.fill(&self.maker.displayed(&seen[0]).sanitized());
+            let seen = self.empty.seen_through(&tile.tile, tracer);
+            tile.fill(&self.maker.displayed(&seen).sanitized());
             tile.counts += tracer.take_counts();
         }
     }
@@ -284,9 +283,7 @@ impl Picture<'_> {
     }
 
     fn errors(&self) -> ErrorSums {
-        let mut sums = ErrorSums::default();
-        self.tiles.iter().filter_map(|tile| tile.lock().ok()).for_each(|tile| sums.merge(&tile.errors));
-        sums
+        ErrorSums::total(self.tiles.iter().filter_map(|tile| Some(tile.lock().ok()?.errors)))
     }
 
     /// Turns samples into pixels. Pixels without samples show the preview.

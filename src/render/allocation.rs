@@ -9,10 +9,10 @@
 //! sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). For a
 //! given number of samples, the sum over all pixels is smallest if n is proportional to (s^2)^(1/(1 + b)). And every
 //! pixel gets at least a *floor* of samples, so that nothing large is missed in any of them (see
-//! [`Unseen`](super::error_estimate::Unseen)).
+//! [`Unseen`](super::unseen::Unseen)).
 
-use super::error_estimate::{EXPECTED, Unseen};
 use super::error_map::{of_neighbours, pooled};
+use super::unseen::Unseen;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
@@ -145,7 +145,7 @@ impl Allocation {
     /// unseen leaves of `aim`, in squared levels, with the fewest samples. Returns false if no pixel may get more.
     pub fn raise(&mut self, aim: f64, margin: f64, unseen: impl Fn(u32) -> Unseen) -> bool {
         let goals = (self.goals.floor..=*POWERS.end()).filter_map(|floor| {
-            let rest = aim - 255.0 * 255.0 * EXPECTED * unseen(1 << floor).mean_square(1.0);
+            let rest = aim - unseen(1 << floor).expected();
             (rest > 0.0).then(|| self.goals_for(floor, margin * rest))
         });
         let best = goals.min_by(|a, b| self.samples(*a).total_cmp(&self.samples(*b)));

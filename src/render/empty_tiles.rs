@@ -3,68 +3,70 @@
 //! A ray that does not enter the box around an object does not hit it, by definition. So a tile that no box reaches needs
 //! one sample a pixel, which is exact, and not sixteen.
 
+use super::rays::RayMaker;
 use super::tiles::Tile;
-use crate::camera::PixelGrid;
+use super::tracer::Tracer;
+use crate::camera::{PixelGrid, Place};
 use crate::objects::Object;
 use crate::options::Options;
 use crate::plan::Plan;
 use crate::scene::Scene;
-use vecmath::{Real, Vector3};
+use crate::trace::Seen;
+use vecmath::Real;
 
 /// Objects up to which boxes are looked at one by one.
 const MOST_OBJECTS: usize = 4096;
 /// Pixels by which boxes are larger in the picture, for the rounding of their places.
 const MARGIN: Real = 0.1;
 
-/// Rectangles of pixels of the traced grid that may show an object; places are counted as [`PixelGrid::place`] does.
-pub struct EmptyTiles {
+/// Rectangles of the traced grid that may show an object.
+pub struct EmptyTiles<'a> {
     /// `None`: an object may show anywhere.
-    boxes: Option<Vec<[Real; 4]>>,
-    grid: PixelGrid,
-    is_filtered: bool,
+    boxes: Option<Vec<[Place; 2]>>,
+    maker: &'a RayMaker,
 }
 
-impl EmptyTiles {
+impl<'a> EmptyTiles<'a> {
     /// Projects the boxes of all objects. No tile is empty if a pixel has one sample anyway, or if the background is
     /// not of one colour.
-    pub fn new(scene: &Scene, plan: &Plan, options: &Options, grid: PixelGrid) -> Self {
+    pub fn new(scene: &Scene, plan: &Plan, options: &Options, maker: &'a RayMaker) -> Self {
         let objects = &scene.geometry.objects;
         let has_one_color = !(plan.color && scene.background.cube_map.is_some());
         let is_useful = options.jitter || options.filter;
         let boxes = (has_one_color && is_useful && objects.len() <= MOST_OBJECTS).then(|| {
-            let box_of = |object: &_| projected(scene, object, grid);
+            let box_of = |object: &_| projected(scene, object, maker.grid);
             objects.iter().map(box_of).collect::<Option<Vec<_>>>()
         });
-        Self { boxes: boxes.flatten(), grid, is_filtered: options.filter }
+        Self { boxes: boxes.flatten(), maker }
     }
 
     /// Returns whether every ray through a tile sees the background.
     pub fn contain(&self, tile: &Tile) -> bool {
         let Some(boxes) = &self.boxes else { return false };
-        let finer = if self.is_filtered { 3 } else { 1 };
-        let left = (finer * tile.x) as Real;
-        let top = (self.grid.height - finer * tile.row) as Real;
-        let (right, bottom) = (left + (finer * tile.width) as Real, top - (finer * tile.height) as Real);
-        boxes
-            .iter()
-            .all(|[min_x, max_x, min_y, max_y]| *max_x < left || *min_x > right || *max_y < bottom || *min_y > top)
+        let (left, top) = self.maker.corner((tile.x, tile.row));
+        let (right, bottom) = self.maker.corner((tile.x + tile.width, tile.row + tile.height));
+        boxes.iter().all(|[low, high]| high.0 < left || low.0 > right || high.1 < bottom || low.1 > top)
+    }
+
+    /// Returns what every ray through an empty tile sees. One ray is traced.
+    pub fn seen_through(&self, tile: &Tile, tracer: &mut dyn Tracer) -> Seen {
+        let mut seen = Vec::new();
+        tracer.trace(self.maker.grid, &[self.maker.corner((tile.x, tile.row))], &mut seen);
+        debug_assert!(seen[0].depth.is_none(), "it is empty");
+        seen[0]
     }
 }
 
-/// Returns the rectangle of places that the box around an object covers: least and largest x, least and largest y.
-/// `None` if it may cover anything.
-fn projected(scene: &Scene, object: &Object, grid: PixelGrid) -> Option<[Real; 4]> {
-    // A grid one pixel wide looks along its middle, wherever a sample lies.
-    let place = |ndc: Real, count: u32| (count > 1).then(|| (ndc + 1.0) * 0.5 * (count - 1) as Real);
+/// Returns the rectangle of places that the box around an object covers, as its lower left and upper right corner. `None`
+/// if it may cover anything.
+fn projected(scene: &Scene, object: &Object, grid: PixelGrid) -> Option<[Place; 2]> {
     let bounds = object.bounds?;
     let bounds = bounds.grown(object.sideways_error * scene.camera.center.max_abs());
-    let mut found = [Real::INFINITY, Real::NEG_INFINITY, Real::INFINITY, Real::NEG_INFINITY];
-    for corner in 0..8 {
-        let side = |axis: usize| if corner >> axis & 1 == 0 { bounds.min } else { bounds.max };
-        let ndc = scene.camera.ndc_of(Vector3::new(side(0).x, side(1).y, side(2).z))?;
-        let (x, y) = (place(ndc.0, grid.width)?, place(ndc.1, grid.height)?);
-        found = [found[0].min(x), found[1].max(x), found[2].min(y), found[3].max(y)];
+    let (mut low, mut high) = ((Real::INFINITY, Real::INFINITY), (Real::NEG_INFINITY, Real::NEG_INFINITY));
+    for corner in bounds.corners() {
+        let (x, y) = grid.place_of(scene.camera.ndc_of(corner)?)?;
+        low = (low.0.min(x - MARGIN), low.1.min(y - MARGIN));
+        high = (high.0.max(x + MARGIN), high.1.max(y + MARGIN));
     }
-    let grown = [found[0] - MARGIN, found[1] + MARGIN, found[2] - MARGIN, found[3] + MARGIN];
-    grown.iter().all(|place| place.is_finite()).then_some(grown)
+    [low.0, low.1, high.0, high.1].iter().all(|place| place.is_finite()).then_some([low, high])
 }

@@ -15,14 +15,12 @@
 //! their ratio is as likely to be too large by some factor as too small: the interval is symmetric on a logarithmic
 //! scale.
 //!
-//! What no sample has met. If samples agree, that is no proof: n samples in each of N pixels miss a detail that covers
-//! the share p of one pixel with probability (1 - p)^n. By the *rule of three*, with 95% probability all that was missed
-//! covers no more than 3 / n of a pixel in sum. If it differs by the whole range of levels, it adds at most
-//! 3 * 255^2 / (n^2 N) to the mean squared error: [`Unseen`]. This belongs into the upper end of the interval. And because no
-//! error is 0 unless nothing is random, the estimate is never less than a sixth of it, what half a missed detail adds.
-//! (Jeffreys' prior expects half an event where none was seen.)
+//! What no sample has met is no error that samples can show. It belongs into the upper end of the interval, and the
+//! estimate is never less than what is expected of it (see [`unseen`](super::unseen)): no error is 0 unless nothing is
+//! random.
 
-use super::spread::{SetKind, Spread};
+use super::spread::{SetKind, Spread, mean_of};
+use super::unseen::{EXPECTED, Unseen};
 use vecmath::Vector3;
 
 /// An estimated root mean square error, and the interval that contains the true one with 95% probability.
@@ -51,7 +49,12 @@ impl ErrorEstimate {
     /// Returns the RMSE that a target error must hold, in levels: the estimate with what unseen details are expected to
     /// add.
     pub fn with_unseen(&self) -> f64 {
-        (self.seen.powi(2) + EXPECTED * self.unseen.powi(2)).sqrt()
+        (self.seen.powi(2) + self.expected_unseen()).sqrt()
+    }
+
+    /// Returns the mean squared error that unseen details are expected to add, in squared levels.
+    pub fn expected_unseen(&self) -> f64 {
+        EXPECTED * self.unseen.powi(2)
     }
 
     /// Returns the estimate of a picture of which `share` is estimated, and the rest shows something else, with an
@@ -70,30 +73,6 @@ impl ErrorEstimate {
             seen: mixed(self.seen, rest),
             unseen: mixed(self.unseen, 255.0),
         }
-    }
-}
-
-/// What unseen details are expected to add, as a share of what they add at most with 95% probability: half a detail
-/// where it may be three.
-pub const EXPECTED: f64 = 1.0 / 6.0;
-
-/// How much of a picture its samples can have missed.
-#[derive(Clone, Copy, Debug)]
-pub struct Unseen {
-    /// The smallest number of samples of any pixel.
-    pub samples: u32,
-    pub pixels: u64,
-}
-
-impl Unseen {
-    /// Returns the mean squared error that unseen details of a brightness may add, with 95% probability, as a share of
-    /// white.
-    ///
-    /// A detail of brightness A that covers the share p of a pixel changes it by min(1, p A), since white is the most
-    /// that a pixel shows. So the squared error for each share missed is at most A / n, once A is above n.
-    pub fn mean_square(&self, brightness: f64) -> f64 {
-        let in_a_sample = brightness / f64::from(self.samples.max(1));
-        3.0 * in_a_sample * in_a_sample.min(1.0) / self.pixels.max(1) as f64
     }
 }
 
@@ -118,19 +97,10 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, spread: &Spread, relative_variance: f64) {
-        let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
-        let fine = mean(spread.fine);
-        self.spread = [self.spread[0] + fine, self.spread[1] + mean(spread.coarse)];
+    /// Adds the fine and the coarse spread of a pixel, averaged over the channels.
+    fn add(&mut self, [fine, coarse]: [f64; 2], relative_variance: f64) {
+        self.spread = [self.spread[0] + fine, self.spread[1] + coarse];
         self.squares += relative_variance * fine * fine;
-    }
-
-    /// Adds the variances of a pixel's channels, and returns their mean.
-    fn add_variance(&mut self, variances: [f64; 3], relative_variance: f64) -> f64 {
-        let mean = variances.iter().sum::<f64>() / 3.0;
-        self.spread = self.spread.map(|sum| sum + mean);
-        self.squares += relative_variance * mean * mean;
-        mean
     }
 
     fn merge(&mut self, other: &Self) {
@@ -165,26 +135,31 @@ impl Sums {
 }
 
 impl ErrorSums {
-    /// Adds a pixel with this mean of all samples, and the spread of `sets` means.
-    pub fn add(&mut self, kind: SetKind, mean: Vector3, spread: &Spread, sets: u32) {
-        let relative_variance = kind.relative_variance(sets);
-        self.pixels += 1;
-        self.linear.add(spread, relative_variance);
-        self.levels.add(&clamped(mean, spread), relative_variance);
+    /// Adds a pixel with this mean of all samples, and the spread of `sets` means. Returns its squared error in squared
+    /// levels by the coarse spread, up to [`coarse_factor`](Self::coarse_factor): of one pixel it says more than the fine
+    /// one, because more groups are compared.
+    pub fn add(&mut self, kind: SetKind, mean: Vector3, spread: &Spread, sets: u32) -> f64 {
+        let shown = Spread { fine: clamped(mean, spread.fine), coarse: clamped(mean, spread.coarse) };
+        self.add_means(kind.relative_variance(sets), spread.means(), shown.means())
     }
 
     /// Adds a pixel of two halves, whose squared difference is `factor` times four times the squared error. Returns the
     /// squared error in squared levels.
     pub fn add_halves(&mut self, halves: [Vector3; 2], factor: f64) -> f64 {
-        let mean = (halves[0] + halves[1]) * 0.5;
         let difference = (halves[0] - halves[1]) * 0.5;
         let variances = difference.to_array().map(|d| (d as f64).powi(2) * factor);
+        let shown = clamped((halves[0] + halves[1]) * 0.5, variances);
         let relative_variance = SetKind::Independent.relative_variance(2);
+        self.add_means(relative_variance, [mean_of(variances); 2], [mean_of(shown); 2])
+    }
+
+    /// Adds the fine and the coarse spread of a pixel, averaged over the channels. Returns the coarse one in squared
+    /// levels.
+    fn add_means(&mut self, relative_variance: f64, linear: [f64; 2], levels: [f64; 2]) -> f64 {
         self.pixels += 1;
-        self.linear.add_variance(variances, relative_variance);
-        let mean = mean.to_array().map(|c| c as f64);
-        let levels = [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]));
-        255.0 * 255.0 * self.levels.add_variance(levels, relative_variance)
+        self.linear.add(linear, relative_variance);
+        self.levels.add(levels, relative_variance);
+        255.0 * 255.0 * levels[1]
     }
 
     /// Adds pixels that are known to be exact.
@@ -204,14 +179,13 @@ impl ErrorSums {
     }
 
     /// Adds parts up in their order, because rounding depends on the order.
-    pub fn total(parts: &[Self]) -> Self {
+    pub fn total(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut total = Self::default();
-        parts.iter().for_each(|part| total.merge(part));
+        parts.into_iter().for_each(|part| total.merge(&part));
         total
     }
 
-    /// Adds the sums of other pixels.
-    pub fn merge(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.pixels += other.pixels;
         self.exact += other.exact;
         self.peak = self.peak.max(other.peak);
@@ -239,24 +213,17 @@ impl ErrorSums {
         })
     }
 
-    /// Returns what [`coarse_levels`] must be multiplied by to be squared errors.
+    /// Returns what the coarse spread of a pixel must be multiplied by to be its squared error.
     pub fn coarse_factor(&self, kind: SetKind) -> f64 {
         let [fine, coarse] = self.levels.spread;
         if coarse > 0.0 { self.levels.factor(kind) * fine / coarse } else { 1.0 }
     }
 }
 
-/// Returns the coarse spread of a pixel in squared levels, averaged over the channels. Of one pixel it says more than the
-/// fine spread, because more groups are compared.
-pub fn coarse_levels(mean: Vector3, spread: &Spread) -> f64 {
-    255.0 * 255.0 * clamped(mean, spread).coarse.iter().sum::<f64>() / 3.0
-}
-
-/// Returns the spread that remains after colours are clamped to \[0, 1\].
-fn clamped(mean: Vector3, spread: &Spread) -> Spread {
+/// Returns the variances that remain after colours with this mean are clamped to \[0, 1\].
+fn clamped(mean: Vector3, variances: [f64; 3]) -> [f64; 3] {
     let mean = mean.to_array().map(|c| c as f64);
-    let of = |variances: [f64; 3]| [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]));
-    Spread { fine: of(spread.fine), coarse: of(spread.coarse) }
+    [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]))
 }
 
 /// Returns the mean squared error that remains of an error of +-sqrt(`variance`) after both values are clamped.

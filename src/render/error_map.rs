@@ -1,6 +1,6 @@
 //! The map of estimated errors: variances of pixels, pooled over their neighbours.
 
-use super::error_estimate::{EXPECTED, ErrorEstimate};
+use super::error_estimate::ErrorEstimate;
 use rayon::prelude::*;
 
 /// Makes squared errors of the spread of pixels in squared levels, rows of `width`.
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// The samples of one pixel often agree though they are wrong: an edge crosses many pixels, and few samples miss it in
 /// some. So neighbours have a say, and no pixel is stated to be exact.
 pub fn finished(spread: &[f32], width: usize, factor: f64, estimate: &ErrorEstimate) -> Vec<f32> {
-    let least = EXPECTED * estimate.unseen.powi(2);
+    let least = estimate.expected_unseen();
     pooled(spread, width).into_iter().map(|spread| (f64::from(spread) * factor + least) as f32).collect()
 }
 

@@ -22,6 +22,7 @@ mod tile_samples;
 mod tiles;
 mod tracer;
 mod uniform;
+mod unseen;
 
 pub use adaptive::render as render_adaptive;
 pub use frame::{Frame, SampleCounts};

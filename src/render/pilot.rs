@@ -34,14 +34,12 @@ pub fn variances<'a>(
     let bytes = vec![[0; 3]; columns * (height as usize + 1)];
     let corners = Mutex::new(Corners { columns, bytes, counts: RayCounts::default() });
     let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, tile: Tile| {
-        // One ray is enough where all corners see nothing but a background of one colour.
-        let is_empty = empty.contain(&tile);
-        let count = if is_empty { 1 } else { (tile.width * tile.height) as usize };
-        let places: Vec<_> = tile.pixels().take(count).map(|corner| maker.corner(corner)).collect();
-        let mut seen = Vec::new();
-        let is_whole = tracer.trace(maker.grid, &places, &mut seen);
-        if is_empty {
-            seen.resize((tile.width * tile.height) as usize, seen[0]);
+        let (mut seen, mut is_whole) = (Vec::new(), true);
+        if empty.contain(&tile) {
+            seen = vec![empty.seen_through(&tile, &mut **tracer); (tile.width * tile.height) as usize];
+        } else {
+            let places: Vec<_> = tile.pixels().map(|corner| maker.corner(corner)).collect();
+            is_whole = tracer.trace(maker.grid, &places, &mut seen);
         }
         // A poisoned lock means that another thread has panicked; that panic will be reported.
         if let Ok(mut corners) = corners.lock() {

@@ -1,10 +1,10 @@
 //! [`Preview`]: a coarse picture for pixels that get no sample before the time limit.
 
-use super::error_estimate::{EXPECTED, Unseen};
 use super::pixel::Pixel;
-use super::rays::RayMaker;
+use super::rays::{RayMaker, SetPart};
 use super::samples::SamplePattern;
 use super::tracer::{Tracer, tracer};
+use super::unseen::Unseen;
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
@@ -33,13 +33,12 @@ impl Preview {
         let pattern = SamplePattern::new(SamplerKind::Independent, 1);
         let middle = |start: u32, end: u32| (start + step / 2).min(end - 1);
         let row = |tracer: &mut Box<dyn Tracer>, row: u32| {
-            let mut places = Vec::new();
-            for column in 0..columns {
+            let part = |column| {
                 let pixel = (middle(column * step, options.width), middle(row * step, options.height));
-                let set = pattern.set(pixel, set, options.seed);
-                places.push(maker.place_of_sample(pixel, &set, 0));
-            }
-            let mut seen = Vec::new();
+                SetPart { pixel, pattern, set, first: 0, count: 1 }
+            };
+            let (mut places, mut seen) = (Vec::new(), Vec::new());
+            maker.set_places_of(&(0..columns).map(part).collect::<Vec<_>>(), &mut places);
             let is_whole = tracer.trace(maker.grid, &places, &mut seen);
             debug_assert!(is_whole, "there is no deadline");
             let pixels: Vec<Pixel> = seen.iter().map(|seen| maker.displayed(seen).sanitized()).collect();
@@ -62,7 +61,7 @@ impl Preview {
         let squares = beside.chain(below).map(|(a, b)| a.squared_levels(b));
         let (sum, count) = squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
         let squares = self.rows.iter().map(Vec::len).sum::<usize>() as u64;
-        let unseen = EXPECTED * 255.0 * 255.0 * Unseen { samples: 1, pixels: squares }.mean_square(1.0);
+        let unseen = Unseen { samples: 1, pixels: squares }.expected();
         (DISTANCE * sum / f64::from(count.max(1)) + unseen).sqrt()
     }
 

@@ -1,7 +1,7 @@
 //! [`RayMaker`]: makes the rays of a pixel, and pixels of what rays see.
 
 use super::pixel::Pixel;
-use super::samples::{SamplePattern, SampleSet};
+use super::samples::SamplePattern;
 use crate::camera::{PixelGrid, Place};
 use crate::options::Options;
 use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
@@ -12,7 +12,8 @@ use vecmath::Real;
 pub struct RayMaker {
     /// The grid that is traced: three times as fine with `-filter`.
     pub grid: PixelGrid,
-    is_filtered: bool,
+    /// Pixels of that grid along the side of a pixel of the picture.
+    finer: u32,
     /// `None` without a picture of depths.
     depth_range: Option<(Real, Real)>,
     shows_normals: bool,
@@ -41,7 +42,7 @@ impl RayMaker {
         let samples = args.samples();
         Self {
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
-            is_filtered: args.filter,
+            finer,
             depth_range: args.depth.as_ref().map(|depth| (depth.min as Real, depth.max as Real)),
             shows_normals: args.normals.is_some(),
             pattern: args.jitter.then(|| SamplePattern::new(args.measure.sampler, samples)),
@@ -56,13 +57,13 @@ impl RayMaker {
         let Some(pattern) = &self.pattern else {
             places.clear();
             let corner = |pixel| self.grid.place(pixel, (0.0, 0.0));
-            return match self.is_filtered {
-                true => self.for_each_grid_pixel(pixels, |pixel| places.push(corner(pixel))),
-                false => places.extend(pixels.iter().copied().map(corner)),
+            return match self.finer {
+                1 => places.extend(pixels.iter().copied().map(corner)),
+                _ => self.for_each_grid_pixel(pixels, |pixel| places.push(corner(pixel))),
             };
         };
         let samples = self.samples as usize;
-        let grid_pixels = if self.is_filtered { 9 * pixels.len() } else { pixels.len() };
+        let grid_pixels = (self.finer * self.finer) as usize * pixels.len();
         places.resize(grid_pixels * samples, (0.0, 0.0));
         let (grid, seed, mut rest) = (self.grid, self.seed, places.as_mut_slice());
         // One call for all pixels, because a call costs some 80 instructions.
@@ -98,16 +99,15 @@ impl RayMaker {
     }
 
     /// Returns the place of the top left corner of a pixel of the picture. One beyond the last pixel of a row or a
-    /// column it is the corner on the other side.
+    /// column it is the corner on the other side; further beyond it is outside the picture.
     pub fn corner(&self, (x, row): (u32, u32)) -> Place {
-        let finer = if self.is_filtered { 3 } else { 1 };
-        ((finer * x) as Real, (self.grid.height - finer * row) as Real)
+        ((self.finer * x) as Real, self.grid.height as Real - (self.finer * row) as Real)
     }
 
     /// Calls `f` with the pixels of the traced grid that pixels of the picture consist of.
     #[inline(always)]
     fn for_each_grid_pixel(&self, pixels: &[(u32, u32)], mut f: impl FnMut((u32, u32))) {
-        let finer = if self.is_filtered { 3 } else { 1 };
+        let finer = self.finer;
         for &(x, row) in pixels {
             for line in 0..finer {
                 for column in 0..finer {
@@ -117,17 +117,12 @@ impl RayMaker {
         }
     }
 
-    /// Returns the place of a sample of a pixel of the picture.
-    pub fn place_of_sample(&self, pixel: (u32, u32), set: &SampleSet, sample: u32) -> Place {
-        self.place_of_offset(pixel, set.offset(sample))
-    }
-
     /// Returns the place at an offset from a pixel of the picture. With `-filter` such a pixel is a block of the traced
     /// grid. A sample falls into a pixel of the block with a probability equal to the filter's weight there. So the
     /// mean of any number of samples is an estimate of the filtered block.
     #[inline(always)]
-    pub fn place_of_offset(&self, (x, row): (u32, u32), offset: (Real, Real)) -> Place {
-        if !self.is_filtered {
+    fn place_of_offset(&self, (x, row): (u32, u32), offset: (Real, Real)) -> Place {
+        if self.finer == 1 {
             return self.grid.place((x, row), offset);
         }
         let ((column, offset_x), (line, offset_y)) = (weighted_third(offset.0), weighted_third(offset.1));
@@ -163,6 +158,26 @@ fn weighted_third(place: Real) -> (u32, Real) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn corners_go_on_beyond_the_picture() {
+        for finer in [1, 3] {
+            let maker = RayMaker {
+                grid: PixelGrid { width: 4 * finer, height: 2 * finer },
+                finer,
+                depth_range: None,
+                shows_normals: false,
+                pattern: None,
+                samples: 1,
+                seed: 0,
+                simd: InstructionSet::baseline(),
+            };
+            let side = finer as Real;
+            assert_eq!(maker.corner((0, 0)), (0.0, 2.0 * side));
+            assert_eq!(maker.corner((4, 2)), (4.0 * side, 0.0));
+            assert_eq!(maker.corner((5, 3)), (5.0 * side, -side));
+        }
+    }
 
     #[test]
     fn places_fall_into_thirds_by_their_weights() {

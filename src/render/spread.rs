@@ -28,6 +28,11 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// Returns the fine and the coarse spread, averaged over the channels.
+    pub fn means(&self) -> [f64; 2] {
+        [mean_of(self.fine), mean_of(self.coarse)]
+    }
+
     /// Adds the spread of another pixel times a weight.
     pub fn add(&mut self, other: &Self, weight: f64) {
         for c in 0..3 {
@@ -35,6 +40,11 @@ impl Spread {
             self.coarse[c] += weight * other.coarse[c];
         }
     }
+}
+
+/// Returns the mean over the channels.
+pub fn mean_of(channels: [f64; 3]) -> f64 {
+    channels.iter().sum::<f64>() / 3.0
 }
 
 /// The ratio S(4)/S(2) of Sobol samples if the squared error falls as n^-1.5, as at edges.

@@ -1,7 +1,7 @@
 //! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile.
 
 use super::empty_tiles::EmptyTiles;
-use super::error_estimate::{ErrorSums, coarse_levels};
+use super::error_estimate::ErrorSums;
 use super::error_map;
 use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, average, filter_weight, filtered, finite, store};
@@ -35,7 +35,8 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
     let tiles = Tile::all(options.width, options.height);
     decode_faces_ahead(scene, plan, options);
     let film = Film::new(options.width, options.height, Planes::wanted_by(options));
-    let empty = EmptyTiles::new(scene, plan, options, RayMaker::new(options).grid);
+    let maker = RayMaker::new(options);
+    let empty = EmptyTiles::new(scene, plan, options, &maker);
     let picture = Mutex::new(Picture {
         film,
         counts: RayCounts::default(),
@@ -46,10 +47,10 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
     let errors: Vec<ErrorSums> = tiles
         .par_iter()
         .map_init(
-            || TileRenderer::new(scene, plan, options),
+            || TileRenderer::new(scene, plan, options, &maker),
             |renderer, tile| {
                 let is_empty = empty.contain(tile);
-                let rendered = if is_empty { renderer.fill(tile) } else { renderer.render(tile) };
+                let rendered = if is_empty { renderer.fill(tile, &empty) } else { renderer.render(tile) };
                 // A poisoned lock means that another thread has panicked; that panic will be reported.
                 if let Ok(mut picture) = picture.lock() {
                     picture.add(tile, &rendered);
@@ -61,7 +62,7 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Prog
         .collect();
     let Picture { mut film, counts, filter, samples, .. } =
         picture.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let (errors, kind) = (ErrorSums::total(&errors), set_kind(options));
+    let (errors, kind) = (ErrorSums::total(errors), set_kind(options));
     let estimate = errors.estimate(kind, options.samples() * options.grid_pixels());
     if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
         *variances = error_map::finished(variances, options.width as usize, errors.coarse_factor(kind), estimate);
@@ -105,7 +106,7 @@ struct RenderedTile {
 /// Renders tiles: makes rays of their pixels, traces them, and makes pixels of what they see.
 struct TileRenderer<'a> {
     tracer: Box<dyn Tracer + 'a>,
-    maker: RayMaker,
+    maker: &'a RayMaker,
     options: &'a Options,
     /// How samples lie, if their error is estimated.
     kind: Option<SetKind>,
@@ -121,10 +122,10 @@ struct TileRenderer<'a> {
 }
 
 impl<'a> TileRenderer<'a> {
-    fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options) -> Self {
+    fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options, maker: &'a RayMaker) -> Self {
         Self {
             tracer: tracer(scene, plan, Deadline::NEVER),
-            maker: RayMaker::new(options),
+            maker,
             options,
             kind: wants_estimate(options).then(|| set_kind(options)),
             planes: Planes::wanted_by(options),
@@ -147,14 +148,11 @@ impl<'a> TileRenderer<'a> {
     }
 
     /// Renders a tile through which nothing but a background of one colour is seen: one ray shows it.
-    fn fill(&mut self, tile: &Tile) -> RenderedTile {
-        self.places.clear();
-        self.places.push(self.maker.corner((tile.x, tile.row)));
-        self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
-        debug_assert!(self.seen[0].depth.is_none(), "it is empty");
+    fn fill(&mut self, tile: &Tile, empty: &EmptyTiles) -> RenderedTile {
+        let seen = empty.seen_through(tile, &mut *self.tracer);
         // Summed up like any other pixel, because sums round.
         let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
-        let pixel = self.mean_of(&vec![self.seen[0]; rays_a_pixel]);
+        let pixel = self.mean_of(&vec![seen; rays_a_pixel]);
         let pixels = vec![pixel; (tile.width * tile.height) as usize];
         self.errors.add_exact(pixels.len() as u64);
         self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
@@ -224,9 +222,9 @@ impl<'a> TileRenderer<'a> {
             let weight = if self.options.filter { filter_weight(index) } else { 1.0 };
             spread.add(&kind.spread(&self.colors), weight as f64 * weight as f64);
         }
-        self.errors.add(kind, mean, &spread, samples);
+        let squared_levels = self.errors.add(kind, mean, &spread, samples);
         if self.planes.error_map {
-            self.variances.push(coarse_levels(mean, &spread) as f32);
+            self.variances.push(squared_levels as f32);
         }
     }
 }
