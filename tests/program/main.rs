@@ -2,6 +2,7 @@
 
 mod architecture;
 mod cli;
+mod convergence;
 mod faults;
 mod fuzz_seeds;
 mod libraries;
