@@ -17,6 +17,7 @@ from statistics import median
 
 sys.dont_write_bytecode = True
 import batch  # noqa: E402
+import error_vs_time_page  # noqa: E402
 
 A2 = Path(os.environ.get("A2", batch.PROJECT / "target" / "release" / "a2"))
 SEEDS = range(int(os.environ.get("SEEDS", "3")))
@@ -49,13 +50,9 @@ def reference(folder, scene, size):
 
 
 def between(points, error):
-    """Returns the cost at an error, by straight lines between (error, cost) on logarithmic axes; None beyond."""
-    points = sorted(points)
-    for (e0, c0), (e1, c1) in zip(points, points[1:]):
-        if e0 <= error <= e1:
-            share = math.log(error / e0) / math.log(e1 / e0) if e1 > e0 else 0
-            return math.exp(math.log(c0) + share * math.log(c1 / c0))
-    return None
+    """Returns the cost at an error on a curve of (error, cost); None beyond its ends."""
+    cost, sign = error_vs_time_page.between(points, error)
+    return None if sign else cost
 
 
 def rays_for_half_a_level(folder, scene):
