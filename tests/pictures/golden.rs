@@ -26,6 +26,20 @@ fn our_pictures_equal_sample_out() {
     }
 }
 
+/// Programs of the course read neither comments nor quotes.
+#[test]
+fn our_scenes_are_for_any_program() {
+    let entries = std::fs::read_dir(project("data")).unwrap().map(|entry| entry.unwrap().path());
+    let is_scene =
+        |path: &PathBuf| path.extension().is_some_and(|end| end == "txt") && !path.ends_with("batch.txt");
+    let scenes: Vec<_> = entries.filter(is_scene).collect();
+    assert_eq!(scenes.len(), 8, "{scenes:?}");
+    for scene in scenes {
+        let text = std::fs::read_to_string(&scene).unwrap();
+        assert!(!["#", "//", "\""].iter().any(|mark| text.contains(mark)), "{}", scene.display());
+    }
+}
+
 /// `.ci/run` runs this test if the starter is there.
 #[test]
 #[ignore = "needs the course's starter, whose folder A2_STARTER names"]
