@@ -75,7 +75,7 @@ pub const INCOMPLETE: u8 = 3;
 /// Runs a command line, without the program's name.
 ///
 /// # Errors
-/// [`Error`], to be shown to the user, with its exit code. An error while comparing pictures has exit code 2.
+/// [`Error`], to be shown to the user, with its exit code.
 pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, u8)> {
     let with_code = |error: Error| {
         let code = error.exit_code();
@@ -84,7 +84,7 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
     match args::parse(argv).map_err(with_code)? {
         Request::Print(text) => Ok(Outcome { text, exit_code: 0 }),
         Request::PrintUsage(text) => Ok(Outcome { text, exit_code: 1 }),
-        Request::Compare(options) => compare(&options).map_err(|error| (error, 2)),
+        Request::Compare(options) => compare(&options),
         Request::Render(options) => {
             let is_complete = render_to_files(&options).map_err(with_code)?;
             Ok(Outcome { text: String::new(), exit_code: if is_complete { 0 } else { INCOMPLETE } })
@@ -92,9 +92,9 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
     }
 }
 
-fn compare(options: &CompareOptions) -> Result<Outcome, Error> {
+fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
     let comparison = measure::compare_files(options)?;
-    let alike = comparison.percent_over(options.levels) <= options.percent;
+    let alike = options.are_alike(comparison.percent_over(options.levels));
     let verdict = if alike { "alike" } else { "different" };
     let (levels, percent) = (options.levels, options.percent);
     let text = format!("{comparison}{verdict}: at most {levels} level(s) on all but {percent}%\n");

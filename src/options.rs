@@ -152,11 +152,21 @@ impl MeasureOptions {
 pub struct CompareOptions {
     pub a: PathBuf,
     pub b: PathBuf,
+    /// PNG of both pictures and their differences.
     pub diff: Option<PathBuf>,
+    /// JSON.
+    pub report: Option<PathBuf>,
     /// Two pixels are alike when no channel differs by more levels than this.
     pub levels: u8,
     /// Percentage of pixels that may be unlike.
     pub percent: f64,
+}
+
+impl CompareOptions {
+    /// Returns whether two pictures are alike of which this percentage of the pixels is not.
+    pub fn are_alike(&self, percent: f64) -> bool {
+        percent <= self.percent
+    }
 }
 
 /// The starter's ray offset: shadow and mirror rays start this far along their direction, in world units times the

@@ -161,7 +161,7 @@ fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
 }
 
 fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
-    const ALLOWED: [&str; 4] = ["compare", "diff", "tolerance", "quiet"];
+    const ALLOWED: [&str; 5] = ["compare", "diff", "report", "tolerance", "quiet"];
     if let Some((other, ..)) = FLAGS.iter().find(|flag| typed.has(flag.0) && !ALLOWED.contains(&flag.0)) {
         return Err(usage_error(other, "does not go with -compare"));
     }
@@ -171,6 +171,7 @@ fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
         a: PathBuf::from(pictures[0]),
         b: PathBuf::from(pictures[1]),
         diff: typed.png_path("diff")?,
+        report: typed.path("report"),
         levels: typed.number("tolerance", 0, levels, |_| true)?.unwrap_or(1),
         percent: typed.number("tolerance", 1, percent, |n| (0.0..=100.0).contains(n))?.unwrap_or(0.01),
     })

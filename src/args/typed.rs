@@ -54,7 +54,7 @@ pub(super) const FLAGS: &[Flag] = &[
     ("seed", &["S"], "Seed of the random samples [default: 0]"),
     ("simd", &["NAME"], "Instruction set: sse2, avx2 or avx512, same pictures [default: the best here]"),
     ("stats", &[], "Table of times, rays, memory and estimated error on standard error"),
-    ("report", &["FILE"], "The same as JSON"),
+    ("report", &["FILE"], "The same as JSON; with -compare: what it found"),
     ("reference", &["FILE"], "Picture that counts as true (.png, .pfm, .exr): report the error against it"),
     ("error-map", &["FILE"], "Picture of the estimated error (PNG), white at 16 levels; implies -jitter"),
     (
@@ -67,7 +67,11 @@ pub(super) const FLAGS: &[Flag] = &[
     ("max-memory", &["SIZE"], "Refuse what needs more memory: bytes, or a number with K, M or G (powers of 1024)"),
     ("explain", &[], "Say on standard error what this scene needs and what is left out"),
     ("quiet", &[], "No progress bar and no warnings"),
-    ("compare", &["A", "B"], "Compare two pictures instead: exit code 0 if alike, 1 if not"),
+    (
+        "compare",
+        &["A", "B"],
+        "Compare two pictures instead: exit code 0 if alike, 1 if not, 2 if that cannot be told, 3 if sizes differ",
+    ),
     ("diff", &["FILE"], "With -compare: write the differences as a picture (PNG)"),
     (
         "tolerance",

@@ -131,34 +131,6 @@ fn warnings_go_to_stderr_and_quiet_silences_them() {
 }
 
 #[test]
-fn compare_prints_differences_and_sets_the_exit_code() {
-    let folder = Folder::new();
-    let flat = |grey: u8| image::RgbImage::from_pixel(100, 100, image::Rgb([grey; 3]));
-    flat(100).save(folder.path("a.png")).unwrap();
-    flat(101).save(folder.path("b.png")).unwrap();
-    flat(103).save(folder.path("c.png")).unwrap();
-    image::RgbImage::new(3, 3).save(folder.path("small.png")).unwrap();
-    folder.write("no.png", "no picture");
-    for (arguments, exit_code, part) in [
-        ("-compare a.png a.png", 0, "PSNR           inf"),
-        ("-compare a.png b.png", 0, "worst channel  1 levels"),
-        ("-compare a.png c.png -diff d.png", 1, "over 1 levels  10000 pixels, 100.0000%"),
-        ("-compare a.png c.png -tolerance 3 0", 0, "RMSE           3.0000"),
-        ("-compare a.png b.png -tolerance 0 50", 1, "different"),
-    ] {
-        let run = folder.a2(arguments);
-        assert_eq!(run.exit_code, exit_code, "{arguments}: {}{}", run.stdout, run.stderr);
-        assert!(run.stdout.contains(part), "{arguments}: {}", run.stdout);
-    }
-    assert_eq!(middle(&folder.picture("d.png")), [48, 48, 48]);
-    for arguments in ["-compare a.png small.png", "-compare a.png none.png", "-compare a.png no.png"] {
-        let run = folder.a2(arguments);
-        assert_eq!(run.exit_code, 2, "{arguments}");
-        assert!(run.stderr.starts_with("error: "), "{}", run.stderr);
-    }
-}
-
-#[test]
 fn paths_are_relative_to_the_scene_and_may_be_any_text() {
     let folder = Folder::new();
     let scene = SCENE.replace(TRIANGLE, "TriangleMesh { obj_file modèles/carré.obj }");
@@ -182,33 +154,6 @@ fn explain_says_what_is_left_out() {
     for part in ["left out: shadow rays", "left out: mirror rays: no material", "camera rays: 10000"] {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
-}
-
-#[test]
-fn pictures_of_numbers_are_compared_as_numbers_and_alpha_is_named() {
-    let folder = Folder::new();
-    folder.write("s.txt", SCENE);
-    assert_eq!(folder.a2("-input s.txt -output a.pfm").exit_code, 0);
-    assert_eq!(folder.a2("-input s.txt -output a.png").exit_code, 0);
-    let mut bytes = std::fs::read(folder.path("a.pfm")).unwrap();
-    let last = bytes.len() - 4;
-    bytes[last..].copy_from_slice(&3.0f32.to_le_bytes());
-    folder.write("b.pfm", &bytes);
-    let alike = folder.a2("-compare a.pfm a.pfm -tolerance 0 0");
-    assert_eq!((alike.exit_code, alike.stdout.contains("RMSE           0.0000")), (0, true), "{}", alike.stdout);
-    // Truncation to bytes takes away less than a level.
-    assert_eq!(folder.a2("-compare a.pfm a.png").exit_code, 0);
-    let unlike = folder.a2("-compare a.pfm b.pfm -tolerance 8 0 -diff d.png");
-    assert_eq!(unlike.exit_code, 1, "{}", unlike.stdout);
-    assert!(unlike.stdout.contains("over 8 levels  1 pixels"), "{}", unlike.stdout);
-    assert_eq!(folder.picture("d.png").pixels().filter(|pixel| pixel.0 != [0; 3]).count(), 1);
-
-    let faint = image::RgbaImage::from_pixel(4, 4, image::Rgba([9, 9, 9, 128]));
-    faint.save(folder.path("faint.png")).unwrap();
-    image::RgbImage::from_pixel(4, 4, image::Rgb([9; 3])).save(folder.path("solid.png")).unwrap();
-    let run = folder.a2("-compare faint.png solid.png");
-    assert_eq!(run.exit_code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("alpha          differs in 16 pixels, and is not compared"), "{}", run.stdout);
 }
 
 #[test]

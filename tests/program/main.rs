@@ -2,6 +2,7 @@
 
 mod architecture;
 mod cli;
+mod compare;
 mod convergence;
 mod faults;
 mod fuzz_seeds;

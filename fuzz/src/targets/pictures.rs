@@ -3,7 +3,7 @@
 use super::{must_be_clear, options};
 use a2::cube_map::CubeMap;
 use a2::film::{Film, Planes, write_png};
-use a2::measure::{Reference, compare_files};
+use a2::measure::{Reference, Region, compare_files};
 use a2::options::CompareOptions;
 use std::path::Path;
 use vecmath::Vector3;
@@ -122,7 +122,8 @@ pub fn compare(data: &[u8], folder: &Path) -> bool {
     write_png(&b_path, width, height, &b).expect("a picture");
     let compare = |a: &Path, b: &Path, diff: Option<&Path>| {
         let (a, b, diff) = (a.to_owned(), b.to_owned(), diff.map(Path::to_owned));
-        compare_files(&CompareOptions { a, b, diff, levels: 1, percent: 0.0 })
+        compare_files(&CompareOptions { a, b, diff, report: None, levels: 1, percent: 0.0 })
+            .map_err(|(error, _)| error)
     };
     let found = compare(&a_path, &b_path, Some(&diff)).expect("two pictures of the same size");
     let differences: Vec<u8> = a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).collect();
@@ -133,10 +134,17 @@ pub fn compare(data: &[u8], folder: &Path) -> bool {
     }
     let mean = differences.iter().map(|&d| f64::from(d).powi(2)).sum::<f64>() / count as f64;
     assert!((found.rmse - mean.sqrt()).abs() <= 1e-9 && found.pixels == pixels.len() as u64);
-    // The picture of the differences is what it should be, and has no difference to itself.
-    let bright: Vec<u8> = differences.iter().map(|d| d.saturating_mul(16)).collect();
-    write_png(&a_path, width, height, &bright).expect("a picture");
-    assert_eq!(compare(&a_path, &diff, None).expect("two pictures of the same size").worst, 0);
+    let worst = found.worst_pixel.map_or(0, |pixel| {
+        let channels = pixel.a.into_iter().zip(pixel.b).map(|(a, b)| (a - b).abs() as u8);
+        channels.max().expect("three channels")
+    });
+    assert_eq!(worst, found.worst);
+    // Every pixel over one level lies in one region, which is no larger than the picture.
+    let inside = |region: &Region| region.right < width && region.bottom < height && region.pixels > 0;
+    assert!(found.regions.iter().all(inside), "{found:?}");
+    assert_eq!(found.regions.iter().map(|region| region.pixels).sum::<u64>(), found.pixels_over(1));
+    // The picture of the differences can be read, and has no difference to itself.
+    assert_eq!(compare(&diff, &diff, None).expect("a picture").worst, 0);
     write_png(&b_path, width + 1, height, &vec![0; count + 3 * height as usize]).expect("a picture");
     must_be_clear(&compare(&a_path, &b_path, None).expect_err("other sizes"), &b_path);
     true

@@ -1,0 +1,61 @@
+//! `-compare A B`: how much two pictures differ, and where.
+
+mod comparison;
+mod picture;
+mod regions;
+mod report;
+
+pub use comparison::Comparison;
+pub use picture::read_rgb;
+pub use regions::Region;
+
+use crate::error::Error;
+use crate::film::write_png;
+use crate::options::CompareOptions;
+use crate::output;
+use picture::Picture;
+use std::io::Write as _;
+
+/// The exit code where a picture cannot be read or a file cannot be written.
+const CANNOT_COMPARE: u8 = 2;
+/// The exit code where the pictures have different sizes.
+const SIZES_DIFFER: u8 = 3;
+
+/// Compares two picture files. Writes a picture of their differences with `-diff`, and the figures with
+/// `-report`. A `.pfm` or `.exr` is compared as numbers.
+///
+/// # Errors
+/// [`Error::File`] with the exit code: 2 where a picture cannot be read or a file cannot be written, 3 where the sizes
+/// differ.
+pub fn compare_files(options: &CompareOptions) -> Result<Comparison, (Error, u8)> {
+    let cannot = |error| (error, CANNOT_COMPARE);
+    let (a, b) = read_both(options).map_err(cannot)?;
+    if a.size != b.size {
+        write_report(options, &report::of_sizes(options, a.size, b.size)).map_err(cannot)?;
+        let ((a_width, a_height), (b_width, b_height)) = (a.size, b.size);
+        let message = format!("is {b_width} x {b_height} pixels, the other picture {a_width} x {a_height}");
+        return Err((Error::file(&options.b, message), SIZES_DIFFER));
+    }
+    let differences = a.differences(&b);
+    let comparison = Comparison::of(&a, &b, &differences, options.levels);
+    if let Some(path) = &options.diff {
+        // Sixteen times as bright.
+        let picture: Vec<u8> = differences.levels.iter().map(|level| level.saturating_mul(16)).collect();
+        write_png(path, a.size.0, a.size.1, &picture).map_err(cannot)?;
+    }
+    write_report(options, &report::of_pixels(options, &comparison)).map_err(cannot)?;
+    Ok(comparison)
+}
+
+/// Reads both pictures, after a check that what will be written is neither of them.
+fn read_both(options: &CompareOptions) -> Result<(Picture, Picture), Error> {
+    let files = || [&options.diff, &options.report].into_iter().flatten().map(|path| path.as_path());
+    output::check(files())?;
+    output::check_inputs(files(), [options.a.as_path(), &options.b])?;
+    Ok((Picture::read(&options.a)?, Picture::read(&options.b)?))
+}
+
+fn write_report(options: &CompareOptions, json: &str) -> Result<(), Error> {
+    let Some(path) = &options.report else { return Ok(()) };
+    output::write_whole(path, "the file", |writer| writer.write_all(json.as_bytes()))
+}
