@@ -72,7 +72,7 @@ pub(super) const FLAGS: &[Flag] = &[
         &["A", "B"],
         "Compare two pictures instead: exit code 0 if alike, 1 if not, 2 if that cannot be told, 3 if sizes differ",
     ),
-    ("diff", &["FILE"], "With -compare: write the differences as a picture (PNG)"),
+    ("diff", &["FILE"], "With -compare: write A, B and their differences side by side (PNG)"),
     (
         "tolerance",
         &["LEVELS", "PERCENT"],

@@ -127,6 +127,21 @@ fn many_regions_are_cut_short() {
 }
 
 #[test]
+fn the_panel_of_differences_shows_both_pictures() {
+    let folder = folder_with_pictures();
+    assert_eq!(folder.a2("-compare a.png c.png -diff d.png").exit_code, 1);
+    let panel = folder.picture("d.png");
+    // Three pictures of 100 pixels, twice enlarged, with margins; text above, a legend below.
+    assert_eq!(panel.width(), 3 * 200 + 4 * 10);
+    let middles = [0, 1, 2].map(|index| panel.get_pixel(10 + index * 210 + 100, 30 + 100).0);
+    assert_eq!(middles[..2], [[100; 3], [103; 3]]);
+    assert!(middles[2].iter().any(|&channel| channel > 60), "{middles:?}");
+    // Where nothing differs, the difference is black.
+    assert_eq!(folder.a2("-compare a.png a.png -diff d.png").exit_code, 0);
+    assert_eq!(folder.picture("d.png").get_pixel(10 + 2 * 210 + 100, 130).0, [0; 3]);
+}
+
+#[test]
 fn pictures_of_numbers_are_compared_as_numbers_and_alpha_is_named() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE);
@@ -145,7 +160,13 @@ fn pictures_of_numbers_are_compared_as_numbers_and_alpha_is_named() {
     assert!(unlike.stdout.contains("over 8 levels  1 pixels"), "{}", unlike.stdout);
     let worst = "worst pixel    x 99 from the left, y 0 from the top: A 0.00000 0.00000 0.00000, B 0.00000 0.00000 3.00000";
     assert!(unlike.stdout.contains(worst), "{}", unlike.stdout);
-    assert_eq!(folder.picture("d.png").pixels().filter(|pixel| pixel.0 != [0; 3]).count(), 1);
+    // One pixel, which is 2 x 2 here, is not black in the third picture, and neither is the line around it.
+    let panel = folder.picture("d.png");
+    let outline = [120; 3];
+    let differences = (0..200).flat_map(|y| (0..200).map(move |x| (430 + x, 30 + y)));
+    let seen: Vec<_> =
+        differences.map(|(x, y)| panel.get_pixel(x, y).0).filter(|color| *color != [0; 3]).collect();
+    assert_eq!(seen.iter().filter(|color| **color != outline).count(), 4, "{seen:?}");
 
     let faint = image::RgbaImage::from_pixel(4, 4, image::Rgba([9, 9, 9, 128]));
     faint.save(folder.path("faint.png")).unwrap();

@@ -5,8 +5,8 @@ use super::regions::{Region, regions};
 use image::RgbImage;
 use std::fmt;
 
-/// Number of regions that are printed.
-const SHOWN_REGIONS: usize = 10;
+/// Number of regions that are printed and drawn.
+pub const SHOWN_REGIONS: usize = 10;
 
 /// The differences of two pictures of the same size. The difference of a pixel is that of its worst channel, in
 /// levels of 1/255. Those of numbers are not clamped, and rounded up for the histogram.

@@ -1,6 +1,7 @@
-//! `-compare A B`: how much two pictures differ, and where.
+//! `-compare A B`: how much two pictures differ, and where. [`Comparison`] has the figures, [`panel`] draws them.
 
 mod comparison;
+mod panel;
 mod picture;
 mod regions;
 mod report;
@@ -11,8 +12,9 @@ pub use regions::Region;
 
 use crate::error::Error;
 use crate::film::write_png;
-use crate::options::CompareOptions;
+use crate::options::{CompareOptions, MAX_PIXELS};
 use crate::output;
+use panel::Panel;
 use picture::Picture;
 use std::io::Write as _;
 
@@ -21,7 +23,7 @@ const CANNOT_COMPARE: u8 = 2;
 /// The exit code where the pictures have different sizes.
 const SIZES_DIFFER: u8 = 3;
 
-/// Compares two picture files. Writes a picture of their differences with `-diff`, and the figures with
+/// Compares two picture files. Writes a picture of both and of their differences with `-diff`, and the figures with
 /// `-report`. A `.pfm` or `.exr` is compared as numbers.
 ///
 /// # Errors
@@ -38,10 +40,8 @@ pub fn compare_files(options: &CompareOptions) -> Result<Comparison, (Error, u8)
     }
     let differences = a.differences(&b);
     let comparison = Comparison::of(&a, &b, &differences, options.levels);
-    if let Some(path) = &options.diff {
-        // Sixteen times as bright.
-        let picture: Vec<u8> = differences.levels.iter().map(|level| level.saturating_mul(16)).collect();
-        write_png(path, a.size.0, a.size.1, &picture).map_err(cannot)?;
+    if options.diff.is_some() {
+        write_panel(options, &Panel::of(&a, &b, &differences, &comparison)).map_err(cannot)?;
     }
     write_report(options, &report::of_pixels(options, &comparison)).map_err(cannot)?;
     Ok(comparison)
@@ -53,6 +53,16 @@ fn read_both(options: &CompareOptions) -> Result<(Picture, Picture), Error> {
     output::check(files())?;
     output::check_inputs(files(), [options.a.as_path(), &options.b])?;
     Ok((Picture::read(&options.a)?, Picture::read(&options.b)?))
+}
+
+fn write_panel(options: &CompareOptions, panel: &Panel) -> Result<(), Error> {
+    let Some(path) = &options.diff else { return Ok(()) };
+    let (width, height) = panel.size();
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        let message = format!("would be {width} x {height} pixels; the limit is {MAX_PIXELS} in all");
+        return Err(Error::file(path, message));
+    }
+    write_png(path, width, height, &panel.drawn())
 }
 
 fn write_report(options: &CompareOptions, json: &str) -> Result<(), Error> {
