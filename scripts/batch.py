@@ -1,5 +1,7 @@
-"""Reads data/batch.txt, the course's batch."""
+"""Reads data/batch.txt, the course's batch, and says how a program renders it."""
 
+import os
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +28,18 @@ class Scene:
     def short_name(self):
         """Returns scene01 of scene01_plane."""
         return self.name.partition("_")[0]
+
+    def command(self, program, data, size, folder):
+        """Returns the command line that renders the three pictures into folder; data is the folder of the scenes."""
+        color, normals, depth = (str(Path(folder) / name) for name in self.pictures)
+        command = [str(program), "-input", str(Path(data) / f"{self.name}.txt"), "-size", str(size), str(size)]
+        return [*command, "-output", color, "-normals", normals, "-depth", *self.depth, depth, *self.flags]
+
+
+def built_program():
+    """Builds a2 and returns its path."""
+    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=PROJECT, check=True)
+    return Path(os.environ.get("CARGO_TARGET_DIR", PROJECT / "target")).resolve() / "release" / "a2"
 
 
 def read():

@@ -39,9 +39,7 @@ def measure(a2, starter, work, runs):
     """Measures the rows of the table, one for each scene."""
     for scene in batch.read():
         names = scene.pictures
-        color, normals, depths = (str(work / name) for name in names)
-        command = [a2, "-input", str(starter / "data" / f"{scene.name}.txt"), "-size", "800", "800", "-output", color]
-        command += ["-normals", normals, "-depth", *scene.depth, depths, *scene.flags]
+        command = scene.command(a2, starter / "data", 800, work)
         seconds = []
         for _ in range(runs):
             start = time.perf_counter()
@@ -73,9 +71,7 @@ def main():
     parser.add_argument("starter", type=Path)
     parser.add_argument("--runs", type=int, default=7)
     arguments = parser.parse_args()
-    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=PROJECT, check=True)
-    target = Path(os.environ.get("CARGO_TARGET_DIR", PROJECT / "target"))
-    a2 = str(target / "release" / "a2")
+    a2 = str(batch.built_program())
     with tempfile.TemporaryDirectory() as work:
         rows = list(measure(a2, arguments.starter, Path(work), arguments.runs))
     table = [

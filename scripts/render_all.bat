@@ -2,6 +2,7 @@
 rem Renders the course's batch (data\batch.txt): seven scenes at 800 x 800, each as colour, normal and depth picture.
 rem
 rem Usage: scripts\render_all.bat [OUTPUT_FOLDER]
+rem A scene that fails does not stop the others; then the exit code is 1.
 rem Environment: A2 (the program; default: built here), DATA (folder of the scenes; default: data), SIZE (default: 800).
 setlocal
 set "project=%~dp0.."
@@ -14,8 +15,9 @@ if "%A2%"=="" (
     set "A2=%project%\target\release\a2.exe"
 )
 if not exist "%output%" mkdir "%output%"
+set "failed=0"
 
 for /f "usebackq eol=# tokens=1-4*" %%a in ("%project%\data\batch.txt") do (
-    "%A2%" -input "%DATA%\%%b.txt" -size %SIZE% %SIZE% -output "%output%\a%%a.png" -normals "%output%\a%%an.png" -depth %%c %%d "%output%\a%%ad.png" %%e || exit /b 1
+    "%A2%" -input "%DATA%\%%b.txt" -size %SIZE% %SIZE% -output "%output%\a%%a.png" -normals "%output%\a%%an.png" -depth %%c %%d "%output%\a%%ad.png" %%e || set "failed=1"
 )
-exit /b 0
+exit /b %failed%
