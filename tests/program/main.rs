@@ -6,6 +6,8 @@ mod compare;
 mod convergence;
 mod faults;
 mod fuzz_seeds;
+#[cfg(unix)]
+mod grading;
 mod libraries;
 mod measuring;
 mod mesh_names;
