@@ -1,4 +1,4 @@
-"""Reads data/batch.txt, the course's batch, and says how a program renders it."""
+"""Reads data/batch.txt, the course's batch, and tables in the same form, and says how a program renders them."""
 
 import os
 import subprocess
@@ -42,10 +42,10 @@ def built_program():
     return Path(os.environ.get("CARGO_TARGET_DIR", PROJECT / "target")).resolve() / "release" / "a2"
 
 
-def read():
-    """Returns the scenes of the batch in order."""
+def read(table="batch.txt"):
+    """Returns the scenes of the batch, or of another table in data/, in order."""
     scenes, comment = [], ""
-    for line in (PROJECT / "data" / "batch.txt").read_text().splitlines():
+    for line in (PROJECT / "data" / table).read_text().splitlines():
         if line.startswith("#"):
             comment = line.removeprefix("#").strip()
         elif line.strip():

@@ -6,6 +6,7 @@ mod compare;
 mod convergence;
 mod faults;
 mod fuzz_seeds;
+mod gallery;
 #[cfg(unix)]
 mod grading;
 mod libraries;

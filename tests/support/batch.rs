@@ -18,18 +18,23 @@ pub struct Scene {
 
 /// Returns all scenes, in order.
 pub fn scenes() -> Vec<Scene> {
-    let text = std::fs::read_to_string(project("data/batch.txt")).unwrap();
+    let scenes = read("data/batch.txt");
+    assert_eq!(scenes.len(), 7);
+    scenes
+}
+
+/// Returns the scenes of a table in the form of `data/batch.txt`, in order.
+pub fn read(table: &str) -> Vec<Scene> {
+    let text = std::fs::read_to_string(project(table)).unwrap();
     let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let scenes: Vec<Scene> = lines
+    lines
         .map(|line| {
             let words: Vec<String> = line.split_whitespace().map(str::to_owned).collect();
-            let [number, name, near, far, flags @ ..] = words.as_slice() else { panic!("data/batch.txt: {line}") };
+            let [number, name, near, far, flags @ ..] = words.as_slice() else { panic!("{table}: {line}") };
             let depth = [near.clone(), far.clone()];
             Scene { number: number.clone(), name: name.clone(), depth, flags: flags.join(" ") }
         })
-        .collect();
-    assert_eq!(scenes.len(), 7);
-    scenes
+        .collect()
 }
 
 impl Scene {
