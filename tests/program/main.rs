@@ -4,6 +4,7 @@ mod architecture;
 mod cli;
 mod compare;
 mod convergence;
+mod extending;
 mod faults;
 mod fuzz_seeds;
 mod gallery;
