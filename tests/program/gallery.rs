@@ -4,6 +4,8 @@ use crate::support::{Folder, batch, picture, project};
 use image::RgbImage;
 use std::fmt::Write;
 
+/// The courtyard in README.md is smoothed, which changes pixels at edges.
+const SAME_COURTYARD: f64 = 6.0;
 const SIZE: (u32, u32) = (400, 300);
 
 fn text(path: &str) -> String {
@@ -78,5 +80,22 @@ fn pictures_of_the_gallery_show_their_scenes() {
         let line = page.lines().find(|line| line.starts_with(&command)).unwrap_or_else(|| panic!("{name}"));
         assert!(line.ends_with(&format!("{} -jitter -filter", scene.flags)), "{line}");
         shown.push((name.clone(), small));
+    }
+}
+
+#[test]
+fn the_picture_of_the_readme_shows_the_courtyard() {
+    let command = "a2 -input data/courtyard.txt -output courtyard.png -size 640 640 -bounces 2 -shadows -jitter ";
+    assert!(text("README.md").contains(command));
+    let folder = Folder::new();
+    let input = project("data/courtyard.txt");
+    let pictures = "-output courtyard.png -depth 5 45 courtyard-depth.png -normals courtyard-normals.png";
+    let run =
+        folder.a2(&format!("-input {} {pictures} -size 640 640 -bounces 2 -shadows -quiet", input.display()));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    for name in folder.files() {
+        let (shown, found) = (picture(&project(&format!("docs/{name}"))), folder.picture(&name));
+        let difference = mean_difference(&shown, &found);
+        assert!(difference < SAME_COURTYARD, "{name}: {difference}");
     }
 }
