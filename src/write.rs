@@ -1,7 +1,7 @@
 //! Writes the results of a run: pictures and tables to files, messages to standard error.
 
 use crate::error::Error;
-use crate::film::{self, Film};
+use crate::film::{self, BandWriter as _, Film, PictureWriter, Plane};
 use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
@@ -64,25 +64,33 @@ pub fn time_limit(options: &Options, start: &Stopwatch) -> Deadline {
     options.measure.time_limit.map_or(Deadline::ON_INTERRUPT, |limit| start.deadline(limit - MARGIN))
 }
 
-/// Writes the pictures.
+/// Begins the files of the pictures.
+///
+/// # Errors
+/// [`Error::File`] for a file that cannot be made.
+pub fn begin_pictures(options: &Options) -> Result<Vec<PictureWriter>, Error> {
+    let size = (options.width, options.height);
+    let pictures = [
+        (Plane::Color, options.color.as_deref()),
+        (Plane::Normals, options.normals.as_deref()),
+        (Plane::Depth, options.depth.as_ref().map(|depth| depth.path.as_path())),
+    ];
+    let begin = |(plane, path): (Plane, Option<&Path>)| Some(PictureWriter::new(path?, plane, size));
+    pictures.into_iter().filter_map(begin).collect()
+}
+
+/// Writes the pictures of a film.
 ///
 /// # Errors
 /// [`Error::File`] for a file that cannot be written.
 pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
-    if let (Some(path), Some(numbers), true) = (&options.color, &film.linear, options.color_is_numbers()) {
-        film::write_numbers(path, film.width, film.height, numbers)?;
-    }
-    let error_map = film.error_map();
-    let planes: [(Option<&Path>, &Option<Vec<u8>>); 4] = [
-        (options.color.as_deref().filter(|_| !options.color_is_numbers()), &film.color),
-        (options.normals.as_deref(), &film.normals),
-        (options.depth.as_ref().map(|depth| depth.path.as_path()), &film.depth),
-        (options.measure.error_map.as_deref(), &error_map),
-    ];
-    planes.into_par_iter().try_for_each(|(path, plane)| match (path, plane) {
-        (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, bytes),
+    let mut pictures = begin_pictures(options)?;
+    pictures.par_iter_mut().try_for_each(|picture| picture.write(film))?;
+    pictures.into_iter().try_for_each(PictureWriter::finish)?;
+    match (&options.measure.error_map, film.error_map()) {
+        (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, &bytes),
         _ => Ok(()),
-    })
+    }
 }
 
 /// Writes the tables that `options` ask for, and the messages at the end of a run.

@@ -3,11 +3,14 @@
 //! Depths and normals must already be mapped to \[0, 1\]. Nothing here knows of rays or scenes.
 
 mod numbers;
+mod picture_writer;
 mod png;
 
-pub use numbers::{NumberPicture, encode_numbers, read_numbers, write_numbers};
+pub use numbers::{NumberPicture, encode_numbers, read_numbers};
+pub use picture_writer::{PictureWriter, Plane};
 pub use png::{encode_png, write_png};
 
+use crate::error::Error;
 use crate::options::Options;
 use vecmath::{Real, Vector3};
 
@@ -121,6 +124,34 @@ impl Film {
         rows.copy(&mut self.normals, &tile.normals, 3);
         rows.copy(&mut self.linear, &tile.linear, 3);
         rows.copy(&mut self.variances, &tile.variances, 1);
+    }
+}
+
+/// Takes the bands of a picture: films of its whole width, one after the other from the top.
+pub trait BandWriter: Send {
+    /// # Errors
+    /// As the writer says; then no further band comes.
+    fn write(&mut self, band: &Film) -> Result<(), Error>;
+}
+
+/// Keeps all bands in a film.
+pub struct FilmWriter {
+    pub film: Film,
+    /// Rows that are written.
+    rows: u32,
+}
+
+impl FilmWriter {
+    pub fn new(width: u32, height: u32, planes: Planes) -> Self {
+        Self { film: Film::new(width, height, planes), rows: 0 }
+    }
+}
+
+impl BandWriter for FilmWriter {
+    fn write(&mut self, band: &Film) -> Result<(), Error> {
+        self.film.place(0, self.rows, band);
+        self.rows += band.height;
+        Ok(())
     }
 }
 

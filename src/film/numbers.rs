@@ -6,10 +6,9 @@
 
 use crate::error::Error;
 use crate::options::has_extension;
-use crate::output::{leads_to_stream, write_whole};
 use crate::picture_file::{PictureFile, read_bytes};
 use image::{ImageBuffer, ImageFormat, Rgb};
-use std::io::{self, Cursor, Seek, Write};
+use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// Three numbers a pixel, rows from the top.
@@ -24,48 +23,53 @@ fn is_pfm(path: &Path) -> bool {
     has_extension(path, "pfm")
 }
 
-/// Writes a picture as PFM if the name ends in `.pfm`, otherwise as EXR. `numbers` has three numbers a pixel.
-///
-/// # Errors
-/// As [`write_whole`].
-pub fn write_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> Result<(), Error> {
-    write_whole(path, "the picture", |writer| {
-        if is_pfm(path) {
-            write_pfm(writer, width, height, numbers)
-        } else if leads_to_stream(path) {
-            // The library goes back in the file, which a pipe cannot.
-            writer.write_all(&encode_numbers(path, width, height, numbers)?)
-        } else {
-            write_exr(writer, width, height, numbers)
-        }
-    })
-}
-
-/// Encodes a picture in memory; the same bytes as in the file that [`write_numbers`] writes.
+/// Encodes a picture in memory, as PFM if the name ends in `.pfm`, otherwise as EXR. `numbers` has three numbers a pixel.
 ///
 /// # Errors
 /// As the library that encodes.
 pub fn encode_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> io::Result<Vec<u8>> {
-    let mut bytes = Cursor::new(Vec::new());
+    let (mut bytes, size) = (Cursor::new(Vec::new()), (width, height));
     if is_pfm(path) {
-        write_pfm(&mut bytes, width, height, numbers)?;
+        bytes.write_all(pfm_header(size).as_bytes())?;
+        write_pfm_rows(&mut bytes, size, 0, numbers)?;
     } else {
-        write_exr(&mut bytes, width, height, numbers)?;
+        encode_exr(&mut bytes, size, numbers)?;
     }
     Ok(bytes.into_inner())
 }
 
-fn write_pfm(writer: &mut impl Write, width: u32, height: u32, numbers: &[f32]) -> io::Result<()> {
-    write!(writer, "PF\n{width} {height}\n-1.0\n")?;
-    let mut bytes = vec![0; 12 * width as usize];
-    for row in numbers.chunks_exact(3 * width as usize).rev() {
-        bytes.as_chunks_mut().0.iter_mut().zip(row).for_each(|(bytes, number)| *bytes = number.to_le_bytes());
-        writer.write_all(&bytes)?;
+/// Returns what comes before the numbers of a PFM file.
+pub(super) fn pfm_header((width, height): (u32, u32)) -> String {
+    format!("PF\n{width} {height}\n-1.0\n")
+}
+
+/// Writes some rows of a PFM file of this size, from `first_row` on, counted from the top.
+pub(super) fn write_pfm_rows(
+    file: &mut (impl Write + Seek),
+    size: (u32, u32),
+    first_row: u32,
+    numbers: &[f32],
+) -> io::Result<()> {
+    /// Rows that are turned into bytes together.
+    const AT_ONCE: usize = 16;
+    let (row_numbers, mut rest) = (3 * size.0 as usize, size.1 - first_row);
+    for rows in numbers.chunks(AT_ONCE * row_numbers) {
+        let upwards = rows.chunks_exact(row_numbers).rev().flatten();
+        let bytes: Vec<u8> = upwards.flat_map(|number| number.to_le_bytes()).collect();
+        rest -= (rows.len() / row_numbers) as u32;
+        let place = pfm_header(size).len() as u64 + u64::from(rest) * 4 * row_numbers as u64;
+        file.seek(SeekFrom::Start(place))?;
+        file.write_all(&bytes)?;
     }
     Ok(())
 }
 
-fn write_exr(writer: &mut (impl Write + Seek), width: u32, height: u32, numbers: &[f32]) -> io::Result<()> {
+/// Writes a whole picture as EXR.
+pub(super) fn encode_exr(
+    writer: &mut (impl Write + Seek),
+    (width, height): (u32, u32),
+    numbers: &[f32],
+) -> io::Result<()> {
     let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
     let picture = picture.ok_or_else(|| io::Error::other("there are too few numbers"))?;
     picture.write_to(writer, ImageFormat::OpenExr).map_err(|error| {
@@ -125,7 +129,7 @@ mod tests {
         let names = if cfg!(feature = "exr") { ["a.pfm", "a.exr"].as_slice() } else { &["a.pfm"] };
         for name in names {
             let path = folder.path().join(name);
-            write_numbers(&path, 2, 3, &numbers).unwrap();
+            std::fs::write(&path, encode_numbers(&path, 2, 3, &numbers).unwrap()).unwrap();
             let read = read_numbers(&path).unwrap();
             assert_eq!((read.width, read.height), (2, 3));
             assert_eq!(read.numbers, numbers, "{name}");

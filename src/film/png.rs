@@ -1,26 +1,21 @@
-//! Encodes pictures as PNG by all threads in parallel.
+//! Encodes pictures as PNG, row by row, by the crate `png`.
 //!
-//! The rows are divided into strips. Each strip is filtered and deflated by itself, and written as one `IDAT` chunk.
-//! The strips are joined into one zlib stream: each ends on a whole byte (RFC 1951), and the last one has the
-//! checksum of all (RFC 1950). The strips depend only on the size of the picture, so the file is the same for any
-//! number of threads.
+//! Each row is filtered by that one of two filters that leaves fewer bytes which are not 0, because the fast compressor
+//! makes next to nothing of zeros.
 
 use crate::error::Error;
 use crate::output::write_whole;
-use fdeflate::Compressor;
-use png::EncodingError;
-use rayon::prelude::*;
+use png::{BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, StreamWriter};
 use std::io::{self, Write};
-use std::ops::Range;
+use std::mem::take;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
-/// Approximate size of a strip in bytes of pixels: so large that the 75 bytes of overhead are nothing, and so small
-/// that even a small picture keeps several threads busy.
-const STRIP_BYTES: usize = 1 << 18;
-/// Number of strips in memory: enough for all threads, and little memory compared to a large picture.
-const STRIPS_AT_ONCE: usize = 32;
-/// Modulus of the two sums in Adler-32 (RFC 1950).
-const ADLER_MODULUS: u64 = 65_521;
+/// Largest size of an `IDAT` chunk in bytes, and that of the smallest picture.
+const CHUNK: usize = 1 << 15;
+const SMALLEST_CHUNK: usize = 1 << 8;
+/// Bytes of rows after which what is encoded is written.
+const WRITTEN_AT_ONCE: usize = 1 << 18;
 
 /// Writes a picture as an 8 bit RGB PNG. `bytes` has three bytes a pixel, or one for a grey picture, rows from the
 /// top.
@@ -41,111 +36,112 @@ pub fn encode_png(width: u32, height: u32, bytes: &[u8]) -> io::Result<Vec<u8>> 
     Ok(file)
 }
 
-fn write(writer: impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(writer, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut file = encoder.write_header().map_err(into_io)?;
-    let (width, height) = (width as usize, height as usize);
-    let picture = Picture { bytes, row_bytes: bytes.len() / height, is_grey: bytes.len() == width * height };
-    let strip_rows = (STRIP_BYTES / (3 * width)).max(1);
-    let strips: Vec<_> = (0..height).step_by(strip_rows).map(|row| row..(row + strip_rows).min(height)).collect();
-    let mut checksum = 1;
-    for some in strips.chunks(STRIPS_AT_ONCE) {
-        let deflated: Vec<_> = some.par_iter().map(|rows| picture.deflated(rows)).collect();
-        for (rows, stream) in some.iter().zip(deflated) {
-            let (mut chunk, strip_checksum) = without_checksum(stream?)?;
-            checksum = joined(checksum, strip_checksum, (rows.len() * (3 * width + 1)) as u64);
-            if rows.end < height {
-                continue_after(&mut chunk);
-            } else {
-                chunk.extend(checksum.to_be_bytes());
-            }
-            // Only the first strip begins with the two bytes of the zlib header.
-            let start = if rows.start == 0 { 0 } else { 2 };
-            file.write_chunk(png::chunk::IDAT, &chunk[start..]).map_err(into_io)?;
-        }
-    }
-    file.finish().map_err(into_io)
+fn write(writer: &mut impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
+    let is_grey = bytes.len() == width as usize * height as usize;
+    let mut encoder = PngEncoder::new((width, height), is_grey)?;
+    encoder.write_rows(bytes, writer)?;
+    writer.write_all(&encoder.finish()?)
 }
 
-struct Picture<'a> {
-    bytes: &'a [u8],
+/// Encodes an 8 bit RGB PNG.
+pub struct PngEncoder {
+    stream: StreamWriter<'static, Encoded>,
+    encoded: Encoded,
+    /// Bytes of a row, and of a pixel: one stands for three equal ones.
     row_bytes: usize,
-    /// One byte a pixel stands for three equal ones.
-    is_grey: bool,
+    channels: usize,
+    /// The last row.
+    above: Vec<u8>,
+    /// Scratch for grey pictures: a row of three bytes a pixel.
+    rgb: Vec<u8>,
 }
 
-impl Picture<'_> {
-    /// Compresses some rows to a zlib stream of their own.
-    fn deflated(&self, rows: &Range<usize>) -> io::Result<Vec<u8>> {
-        let channels = if self.is_grey { 1 } else { 3 };
-        let black = vec![0; self.row_bytes];
-        let (mut left, mut up, mut rgb) =
-            (black.clone(), black.clone(), vec![0; 1 + 3 * self.row_bytes / channels]);
-        let mut compressor = Compressor::new(Vec::new())?;
-        for row in rows.clone() {
-            let start = row * self.row_bytes;
-            let bytes = &self.bytes[start..start + self.row_bytes];
-            let above = if row == 0 { &black } else { &self.bytes[start - self.row_bytes..start] };
-            let (first, rest) = bytes.split_at(channels);
-            left[..channels].copy_from_slice(first);
-            subtract(rest, bytes, &mut left[channels..]);
-            subtract(bytes, above, &mut up);
-            // Filters 1 (left) and 2 (up) are the fastest to undo. Bytes that are 0 compress to almost nothing.
-            let (filter, filtered) = if nonzero(&left) < nonzero(&up) { (1, &left) } else { (2, &up) };
-            rgb[0] = filter;
-            if self.is_grey {
-                rgb[1..].as_chunks_mut().0.iter_mut().zip(filtered).for_each(|(rgb, &grey)| *rgb = [grey; 3]);
-            } else {
-                rgb[1..].copy_from_slice(filtered);
-            }
-            compressor.write_data(&rgb)?;
+/// What is encoded and not yet written. Writing into it never fails: at some errors the library panics.
+#[derive(Clone)]
+struct Encoded(Arc<Mutex<Vec<u8>>>);
+
+impl Encoded {
+    fn take(&self) -> Vec<u8> {
+        take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl Write for Encoded {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl PngEncoder {
+    /// Begins a picture of this size. Rows of a grey one have one byte a pixel.
+    ///
+    /// # Errors
+    /// As the library.
+    pub fn new((width, height): (u32, u32), is_grey: bool) -> io::Result<Self> {
+        let encoded = Encoded(Arc::new(Mutex::new(Vec::with_capacity(SMALLEST_CHUNK))));
+        let mut encoder = Encoder::new(encoded.clone(), width, height);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_deflate_compression(DeflateCompression::FdeflateUltraFast);
+        let writer = encoder.write_header().map_err(into_io)?;
+        let (width, rgb_bytes) = (width as usize, 3 * width as usize);
+        // The library clears the memory for a chunk, which would be most of the work for a small picture.
+        let chunk = rgb_bytes.saturating_mul(height as usize).clamp(SMALLEST_CHUNK, CHUNK);
+        let stream = writer.into_stream_writer_with_size(chunk).map_err(into_io)?;
+        let (channels, rgb) = if is_grey { (1, vec![0; rgb_bytes]) } else { (3, Vec::new()) };
+        let row_bytes = channels * width;
+        Ok(Self { stream, encoded, row_bytes, channels, above: vec![0; row_bytes], rgb })
+    }
+
+    /// Encodes the next rows, and writes what is ready.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_rows(&mut self, bytes: &[u8], writer: &mut impl Write) -> io::Result<()> {
+        let rows_at_once = (WRITTEN_AT_ONCE / self.row_bytes).max(1);
+        for rows in bytes.chunks(rows_at_once * self.row_bytes) {
+            rows.chunks_exact(self.row_bytes).try_for_each(|row| self.encode(row))?;
+            writer.write_all(&self.encoded.take())?;
         }
-        compressor.finish()
+        Ok(())
+    }
+
+    fn encode(&mut self, row: &[u8]) -> io::Result<()> {
+        let channels = self.channels;
+        let left = channels + differing(&row[channels..], &row[..row.len() - channels]);
+        let up = differing(row, &self.above);
+        self.stream.set_filter(if left < up { Filter::Sub } else { Filter::Up });
+        self.above.copy_from_slice(row);
+        if channels == 3 {
+            return self.stream.write_all(row);
+        }
+        self.rgb.as_chunks_mut().0.iter_mut().zip(row).for_each(|(rgb, &grey)| *rgb = [grey; 3]);
+        self.stream.write_all(&self.rgb)
+    }
+
+    /// Returns what is not written yet.
+    ///
+    /// # Errors
+    /// As the library, if rows are missing.
+    pub fn finish(self) -> io::Result<Vec<u8>> {
+        self.stream.finish().map_err(into_io)?;
+        Ok(self.encoded.take())
     }
 }
 
-fn subtract(bytes: &[u8], others: &[u8], differences: &mut [u8]) {
-    for ((difference, byte), other) in differences.iter_mut().zip(bytes).zip(others) {
-        *difference = byte.wrapping_sub(*other);
-    }
-}
-
-fn nonzero(bytes: &[u8]) -> usize {
+/// Returns the number of bytes that are not equal to those at the same place.
+fn differing(bytes: &[u8], others: &[u8]) -> usize {
     /// So few that their count fits into a byte, which lets the compiler count sixteen at once.
     const AT_ONCE: usize = 240;
-    let count = |bytes: &[u8]| bytes.iter().map(|&byte| u8::from(byte != 0)).sum::<u8>();
-    bytes.chunks(AT_ONCE).map(|bytes| usize::from(count(bytes))).sum()
-}
-
-/// Removes the Adler-32 checksum from the end of a zlib stream, and returns both.
-fn without_checksum(mut stream: Vec<u8>) -> io::Result<(Vec<u8>, u32)> {
-    let checksum = stream.last_chunk().map(|bytes| u32::from_be_bytes(*bytes));
-    stream.truncate(stream.len().saturating_sub(4));
-    Ok((stream, checksum.ok_or(io::ErrorKind::UnexpectedEof)?))
-}
-
-/// Changes a zlib stream of one final block so that other blocks can follow it, beginning on a whole byte.
-fn continue_after(stream: &mut Vec<u8>) {
-    stream[2] &= !1;
-    // `fdeflate` ends a block with a code whose last bit is 1, and fills the byte with zeros. Three zeros begin an
-    // empty stored block. It goes on with the next whole byte: its length 0, and the complement of the length.
-    if stream.last().is_none_or(|byte| byte.leading_zeros() < 3) {
-        stream.push(0);
-    }
-    stream.extend([0, 0, 0xff, 0xff]);
-}
-
-/// Returns the Adler-32 checksum of two pieces of data one after the other, from the checksum of each. The second
-/// piece has `length` bytes.
-fn joined(first: u32, second: u32, length: u64) -> u32 {
-    let sums = |checksum: u32| (u64::from(checksum & 0xffff), u64::from(checksum >> 16));
-    let ((a1, b1), (a2, b2)) = (sums(first), sums(second));
-    // The sums of the second piece began with (1, 0) instead of (a1, b1).
-    let a = (a1 + a2 + ADLER_MODULUS - 1) % ADLER_MODULUS;
-    let b = (b1 + b2 + (length % ADLER_MODULUS) * (a1 + ADLER_MODULUS - 1)) % ADLER_MODULUS;
-    (b << 16 | a) as u32
+    let count = |(bytes, others): (&[u8], &[u8])| {
+        usize::from(bytes.iter().zip(others).map(|(byte, other)| u8::from(byte != other)).sum::<u8>())
+    };
+    bytes.chunks(AT_ONCE).zip(others.chunks(AT_ONCE)).map(count).sum()
 }
 
 /// Returns the error of the operating system if there is one.
@@ -160,7 +156,7 @@ fn into_io(error: EncodingError) -> io::Error {
 mod tests {
     use super::*;
 
-    /// Makes bytes that are smooth in some places and noise in others, for all kinds of rows and ends of strips.
+    /// Makes bytes that are smooth in some places and noise in others, for all kinds of rows.
     fn sample(length: usize) -> Vec<u8> {
         let noise = |i: usize| (i as u32).wrapping_mul(0x9e37_79b9) >> 24;
         (0..length).map(|i| if i % 7000 < 4000 { (i / 900) as u8 } else { noise(i) as u8 }).collect()
@@ -171,12 +167,10 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_any_number_of_strips_are_decoded_as_they_were() {
-        for (width, height) in [(1, 1), (1, 70_000), (300, 291), (300, 292), (300, 1000), (70_000, 5), (87_382, 3)]
-        {
+    fn pictures_of_any_shape_are_decoded_as_they_were() {
+        for (width, height) in [(1, 1), (1, 70_000), (300, 291), (300, 1000), (70_000, 5), (87_382, 3)] {
             let bytes = sample(3 * width * height);
-            let mut file = Vec::new();
-            write(&mut file, width as u32, height as u32, &bytes).unwrap();
+            let file = encode_png(width as u32, height as u32, &bytes).unwrap();
             assert!(decoded(&file).into_raw() == bytes, "{width} x {height}");
         }
     }
@@ -184,18 +178,23 @@ mod tests {
     #[test]
     fn grey_pictures_have_three_equal_channels() {
         let bytes = sample(900 * 700);
-        let mut file = Vec::new();
-        write(&mut file, 900, 700, &bytes).unwrap();
+        let file = encode_png(900, 700, &bytes).unwrap();
         assert!(decoded(&file).pixels().map(|pixel| pixel.0).eq(bytes.iter().map(|&grey| [grey; 3])));
     }
 
     #[test]
-    fn checksums_of_parts_join() {
-        let bytes = sample(300_000);
-        let checksum = |bytes: &[u8]| without_checksum(fdeflate::compress_to_vec(bytes)).unwrap().1;
-        for cut in [0, 1, 65_521, 299_999, 300_000] {
-            let (first, second) = bytes.split_at(cut);
-            assert_eq!(joined(checksum(first), checksum(second), second.len() as u64), checksum(&bytes), "{cut}");
-        }
+    fn missing_rows_are_an_error() {
+        let mut encoder = PngEncoder::new((4, 3), false).unwrap();
+        encoder.write_rows(&[7; 24], &mut Vec::new()).unwrap();
+        assert!(encoder.finish().is_err());
+    }
+
+    #[test]
+    fn different_bytes_are_counted() {
+        let (mut bytes, others) = (sample(1000), sample(1000));
+        assert_eq!(differing(&bytes, &others), 0);
+        bytes.iter_mut().step_by(3).for_each(|byte| *byte ^= 1);
+        assert_eq!(differing(&bytes, &others), 334);
+        assert_eq!(differing(&[1; 999], &[2; 999]), 999);
     }
 }

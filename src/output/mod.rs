@@ -2,17 +2,17 @@
 //!
 //! A file appears under its name only when it is complete. Until then it has a temporary name in the same folder.
 
+mod file;
 mod target;
 mod temporary;
 
+pub use file::OutputFile;
 pub use target::Target;
 pub use temporary::remove_unfinished;
 
 use crate::error::Error;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use temporary::Temporary;
 
 /// Writes to standard error. Errors of writing are ignored: where the terminal or a pipe is closed, there is nobody to
 /// tell.
@@ -20,41 +20,21 @@ pub fn say(text: &str) {
     let _ = io::stderr().write_all(text.as_bytes());
 }
 
-/// Writes a file by calling `write`. Errors call it `what`. Links are followed; a file that is replaced leaves its
-/// permissions to the new one; devices and pipes are written into.
+/// Writes a file by calling `write`. Errors call it `what`.
 ///
 /// # Errors
-/// [`Error::File`] when the folder does not exist or cannot be written to, or the disk is full.
+/// As [`OutputFile`].
 pub fn write_whole(
     path: &Path,
-    what: &str,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+    what: &'static str,
+    write: impl FnOnce(&mut BufWriter<&mut OutputFile>) -> io::Result<()>,
 ) -> Result<(), Error> {
-    let refused = |error: io::Error| Error::io(path, &format!("write {what}"), &error);
-    let write = |file: &mut File| {
-        let mut writer = BufWriter::with_capacity(1 << 16, file);
-        write(&mut writer)?;
-        writer.flush()
-    };
-    match Target::of(path)? {
-        Target::Stream(path) => {
-            let mut stream = File::options().append(true).open(path).map_err(refused)?;
-            write(&mut stream).map_err(refused)
-        }
-        Target::File { path: file, permissions } => {
-            let mut temporary = Temporary::beside(&file).map_err(refused)?;
-            write(&mut temporary.file).map_err(refused)?;
-            if let Some(permissions) = permissions {
-                temporary.file.set_permissions(permissions).map_err(refused)?;
-            }
-            temporary.persist(&file).map_err(refused)
-        }
-    }
-}
-
-/// Returns whether a name leads to a device or a pipe, in which a writer cannot go back.
-pub fn leads_to_stream(path: &Path) -> bool {
-    matches!(Target::of(path), Ok(Target::Stream(_)))
+    let mut file = OutputFile::new(path, what)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, &mut file);
+    let written = write(&mut writer).and_then(|()| writer.flush());
+    drop(writer);
+    written.map_err(|error| file.refused(&error))?;
+    file.finish()
 }
 
 /// Checks before a long computation that these files can be written, and that no two of them are one.

@@ -16,7 +16,7 @@ pub enum Target {
         permissions: Option<Permissions>,
     },
     /// A device, a pipe, or a file that is open already (`/dev/stdout`). It is written into.
-    Stream(PathBuf),
+    Stream,
 }
 
 impl Target {
@@ -32,7 +32,7 @@ impl Target {
                 let permissions = Some(metadata.permissions());
                 Ok(Self::File { path: path.canonicalize().map_err(refused)?, permissions })
             }
-            Ok(_) => Ok(Self::Stream(path.to_owned())),
+            Ok(_) => Ok(Self::Stream),
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 Ok(Self::File { path: new_file(path)?, permissions: None })
             }

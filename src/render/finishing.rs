@@ -85,15 +85,16 @@ fn time_of_part<T>(options: &Options, tiles: &[T], finished: impl Fn(&T) -> Opti
     Some(finishing + start.elapsed() + time_to_encode(options, &strip))
 }
 
-/// Returns how long it takes to encode a film's pictures. All threads encode PNGs, one the numbers.
+/// Returns how long it takes to encode a film's pictures: one thread each.
 fn time_to_encode(options: &Options, film: &Film) -> Duration {
     let start = Instant::now();
     let color = film.color.as_ref().filter(|_| !options.color_is_numbers());
-    for plane in [color, film.normals.as_ref(), film.depth.as_ref()].into_iter().flatten() {
+    let planes: Vec<_> = [color, film.normals.as_ref(), film.depth.as_ref()].into_iter().flatten().collect();
+    for plane in &planes {
         // An error would come again when the picture is written, and be reported.
         drop(encode_png(film.width, film.height, plane));
     }
-    let png = start.elapsed().div_f64(threads());
+    let png = start.elapsed().div_f64(threads().min(planes.len().max(1) as f64));
     let start = Instant::now();
     if let (Some(path), Some(numbers), true) = (&options.color, &film.linear, options.color_is_numbers()) {
         drop(encode_numbers(path, film.width, film.height, numbers));

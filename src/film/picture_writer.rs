@@ -1,0 +1,99 @@
+//! [`PictureWriter`]: writes a plane of a film into a file, band by band.
+
+use super::numbers::{encode_exr, pfm_header, write_pfm_rows};
+use super::png::PngEncoder;
+use super::{BandWriter, Film};
+use crate::error::Error;
+use crate::options::has_extension;
+use crate::output::OutputFile;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// What of a film a file shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// Bytes or numbers, as the file's name says.
+    Color,
+    Normals,
+    Depth,
+}
+
+/// A picture file that is being written. It appears under its name when it is finished.
+pub struct PictureWriter {
+    file: OutputFile,
+    plane: Plane,
+    format: Format,
+    size: (u32, u32),
+    /// Rows that are written.
+    rows: u32,
+}
+
+enum Format {
+    Png(Box<PngEncoder>),
+    Pfm,
+    /// All numbers so far: the library encodes whole pictures only.
+    Exr(Vec<f32>),
+}
+
+impl PictureWriter {
+    /// Begins a file of a picture of this size.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be made.
+    pub fn new(path: &Path, plane: Plane, size: (u32, u32)) -> Result<Self, Error> {
+        let mut file = OutputFile::new(path, "the picture")?;
+        let format = if has_extension(path, "pfm") {
+            file.write_all(pfm_header(size).as_bytes()).map_err(|error| file.refused(&error))?;
+            Format::Pfm
+        } else if has_extension(path, "exr") {
+            Format::Exr(Vec::new())
+        } else {
+            let is_grey = plane == Plane::Depth;
+            let encoder = PngEncoder::new(size, is_grey).map_err(|error| file.refused(&error))?;
+            Format::Png(Box::new(encoder))
+        };
+        Ok(Self { file, plane, format, size, rows: 0 })
+    }
+
+    /// Writes what is left, and gives the file its name. All rows must have been written.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be written.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let ended = match self.format {
+            Format::Png(encoder) => encoder.finish().and_then(|bytes| self.file.write_all(&bytes)),
+            Format::Pfm => Ok(()),
+            Format::Exr(numbers) => {
+                let mut writer = BufWriter::new(&mut self.file);
+                encode_exr(&mut writer, self.size, &numbers).and_then(|()| writer.flush())
+            }
+        };
+        ended.map_err(|error| self.file.refused(&error))?;
+        self.file.finish()
+    }
+
+    fn write_band(&mut self, band: &Film) -> io::Result<()> {
+        let (file, first_row) = (&mut self.file, self.rows);
+        self.rows += band.height;
+        let bytes = match self.plane {
+            Plane::Color => &band.color,
+            Plane::Normals => &band.normals,
+            Plane::Depth => &band.depth,
+        };
+        match (&mut self.format, bytes, &band.linear) {
+            (Format::Png(encoder), Some(bytes), _) => encoder.write_rows(bytes, file),
+            (Format::Pfm, _, Some(numbers)) => write_pfm_rows(file, self.size, first_row, numbers),
+            (Format::Exr(all), _, Some(numbers)) => {
+                all.extend_from_slice(numbers);
+                Ok(())
+            }
+            _ => Err(io::Error::other("the film has no such plane")),
+        }
+    }
+}
+
+impl BandWriter for PictureWriter {
+    fn write(&mut self, band: &Film) -> Result<(), Error> {
+        self.write_band(band).map_err(|error| self.file.refused(&error))
+    }
+}
