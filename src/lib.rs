@@ -49,6 +49,7 @@ mod write;
 use args::Request;
 use cube_map::CubeMap;
 use error::Error;
+use film::{BandWriter, PictureWriter};
 use measure::{Phases, Point, Reference, Report};
 use memory::Budget;
 use options::{CompareOptions, Options};
@@ -109,7 +110,8 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
         interrupt::let_rendering_end();
     }
     write::worker_threads(options)?.install(|| {
-        let mut report = render_since(options, &total)?;
+        let mut pictures = Vec::new();
+        let mut report = render_since(options, &total, (!options.keeps_film()).then_some(&mut pictures))?;
         if !options.quiet {
             report.warnings.iter().for_each(|warning| say(&format!("warning: {warning}\n")));
         }
@@ -117,9 +119,12 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
             report.mesh_files.iter().for_each(|file| say(&format!("mesh {file}\n")));
         }
-        let (written, encode) = timed(|| write::write_pictures(options, &report.frame.film));
+        let (written, writing) = timed(|| match options.keeps_film() {
+            true => write::write_pictures(options, &report.frame.film),
+            false => pictures.into_iter().try_for_each(PictureWriter::finish),
+        });
         written?;
-        report.phases.encode = encode;
+        report.phases.encode += writing;
         report.total = total.times();
         write::write_findings(options, &report)?;
         Ok(report.is_complete(options))
@@ -131,11 +136,16 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
 /// # Errors
 /// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
-    render_since(options, &Stopwatch::start())
+    render_since(options, &Stopwatch::start(), None)
 }
 
-/// Renders the same. A time limit counts from `start`.
-fn render_since(options: &Options, start: &Stopwatch) -> Result<Report, Error> {
+/// Renders the same. A time limit counts from `start`. If `pictures` is given, they are begun and written while they are
+/// rendered, and are still to be finished; then the report has no film.
+fn render_since(
+    options: &Options,
+    start: &Stopwatch,
+    pictures: Option<&mut Vec<PictureWriter>>,
+) -> Result<Report, Error> {
     let limit = write::time_limit(options, start);
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
@@ -153,8 +163,9 @@ fn render_since(options: &Options, start: &Stopwatch) -> Result<Report, Error> {
     let Compiled { scene, mesh_files, left_out, warnings, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
-    let (rendered, rendering) = timed(|| render_pictures(&scene, &plan, options, limit, reference.as_ref()));
-    let (frame, convergence) = rendered;
+    let (rendered, rendering) =
+        timed(|| render_pictures(&scene, &plan, options, limit, reference.as_ref(), pictures));
+    let (frame, convergence) = rendered?;
     let unmet = mesh_files.iter().filter(|file| scene.geometry.is_unmet(file.mesh));
     let unmet = unmet.map(|file| format!("the tree of {}: no ray meets its box", file.path.display()));
     let left_out: Vec<String> = left_out.into_iter().chain(unmet).collect();
@@ -165,7 +176,7 @@ fn render_since(options: &Options, start: &Stopwatch) -> Result<Report, Error> {
     Ok(Report {
         decoded_faces: scene.background.decoded_faces()?,
         true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
-        phases: Phases::new(parse, loading, build, rendering, frame.filter, threads),
+        phases: Phases::new(parse, loading, build, rendering, [frame.filter, frame.writing], threads),
         total: Times::default(),
         left_out: plan.left_out.into_iter().chain(left_out).collect(),
         frame,
@@ -182,20 +193,26 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// Renders the picture. With `-convergence` it also returns the points of all curves.
+/// Renders the pictures, into `pictures` or into memory. With `-convergence` it also returns the points of all curves.
 fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
     limit: Deadline,
     reference: Option<&Reference>,
-) -> (Frame, Vec<Point>) {
+    pictures: Option<&mut Vec<PictureWriter>>,
+) -> Result<(Frame, Vec<Point>), Error> {
     let progress = Bar::new(options.quiet);
-    if options.measure.is_adaptive() {
-        (render::render_adaptive(scene, plan, options, limit, &progress), Vec::new())
+    let frame = if options.measure.is_adaptive() {
+        render::render_adaptive(scene, plan, options, limit, &progress)
     } else if options.measure.convergence.is_some() {
-        measure::render_convergence(scene, plan, options, reference, &progress)
+        return Ok(measure::render_convergence(scene, plan, options, reference, &progress));
+    } else if let Some(pictures) = pictures {
+        *pictures = write::begin_pictures(options)?;
+        let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
+        render::render_bands(scene, plan, options, writers.collect(), &progress)?
     } else {
-        (render::render_uniform(scene, plan, options, &progress), Vec::new())
-    }
+        render::render_uniform(scene, plan, options, &progress)
+    };
+    Ok((frame, Vec::new()))
 }

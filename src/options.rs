@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
-/// Largest number of pixels: a picture of three bytes a pixel fits into the memory of every machine.
-pub const MAX_PIXELS: u64 = 1 << 28;
 pub const MAX_BOUNCES: u32 = 100_000;
 pub const MAX_THREADS: usize = 1024;
 /// Samples with `-jitter` and without `-samples`: the course's number.
@@ -74,9 +72,27 @@ impl Options {
         if self.filter { 9 } else { 1 }
     }
 
+    /// Returns the number of pixels of a picture.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Returns whether the whole picture stays in memory until it is written: where pixels are rendered again, or are
+    /// compared with others. Otherwise it is written while it is rendered.
+    pub fn keeps_film(&self) -> bool {
+        let measure = &self.measure;
+        let is_compared = measure.reference.is_some() || measure.wants_error_map() || measure.keep_linear;
+        is_compared || measure.is_adaptive() || measure.convergence.is_some()
+    }
+
     /// Returns whether the colour picture's file holds numbers instead of bytes.
     pub fn color_is_numbers(&self) -> bool {
         self.color.as_ref().is_some_and(|path| !has_extension(path, "png"))
+    }
+
+    /// Returns whether the colour picture's file is an EXR.
+    pub fn color_is_exr(&self) -> bool {
+        self.color.as_ref().is_some_and(|path| has_extension(path, "exr"))
     }
 
     /// Returns whether colours are kept as numbers, for a file or for a comparison.

@@ -2,13 +2,15 @@
 //! file cannot take much.
 
 use crate::input::read_whole;
-use crate::options::{MAX_PIXELS, has_extension};
+use crate::options::has_extension;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, Limits};
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, Cursor, Read as _, Result as IoResult};
 use std::path::Path;
 
+/// Largest number of pixels: a picture of three bytes a pixel fits into the memory of every machine.
+pub const MAX_PIXELS: u64 = 1 << 28;
 /// Largest number of bytes of a picture file: 16 for each pixel of the largest picture.
 const MAX_FILE_BYTES: u64 = 16 * MAX_PIXELS;
 /// Memory for pixels that a file of any size may take.

@@ -8,7 +8,7 @@ mod typed;
 
 use crate::error::Error;
 use crate::options::{
-    CompareOptions, DepthPicture, Epsilon, MAX_BOUNCES, MAX_PIXELS, MAX_SIDE, MAX_THREADS, Options, has_extension,
+    CompareOptions, DepthPicture, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, Options, has_extension,
 };
 use crate::simd::InstructionSet;
 use std::ffi::OsString;
@@ -90,10 +90,6 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         explain: typed.has("explain"),
         measure: measuring::options(typed)?,
     };
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    if pixels > MAX_PIXELS {
-        return Err(usage_error("size", format!("expected at most {MAX_PIXELS} pixels in all, found {pixels}")));
-    }
     if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
         return Err(usage_error(flag, "is about colours: give -output too"));
     }

@@ -63,7 +63,7 @@ fn errors_name_flag_value_and_expectation() {
         ("-input s.txt -output o.jpg", &["-output", ".png", "o.jpg"]),
         ("-input s.obj -output o.png", &["-input", ".txt", "s.obj"]),
         ("-input s.txt -output o.png -size 0 5", &["-size", "'0'", "from 1 to 65536"]),
-        ("-input s.txt -output o.png -size 65536 65536", &["-size", "at most 268435456 pixels"]),
+        ("-input s.txt -output o.png -size 5 65537", &["-size", "'65537'", "from 1 to 65536"]),
         ("-input s.txt -output o.png -size 5", &["-size", "W H"]),
         ("-input s.txt -output o.png -size 5 -shadows", &["-size", "W H"]),
         ("-input s.txt -output o.png -bounces -1", &["-bounces", "'-1'"]),

@@ -64,23 +64,24 @@ pub struct Phases {
     /// Turning samples into pixels. All threads do this between rays, so its wall time is its CPU time divided by the
     /// number of threads. `render` does not include it. Zero for adaptive sampling, which adds samples up at once.
     pub filter: Times,
-    /// Writing pictures.
+    /// Writing pictures. What is done between rays is measured as filtering is, and is not in `render` either.
     pub encode: Times,
 }
 
 impl Phases {
-    /// Subtracts the building of trees from loading, and filtering on `threads` threads from rendering.
+    /// Subtracts the building of trees from loading, and what `threads` threads do `amid_rays` from rendering: filtering
+    /// and writing.
     pub fn new(
         parse: Times,
         loading: Times,
         build: Times,
         rendering: Times,
-        filter: Duration,
+        amid_rays: [Duration; 2],
         threads: usize,
     ) -> Self {
-        let filter = Times { wall: filter / threads as u32, cpu: filter };
-        let (load, render) = (loading.without(build), rendering.without(filter));
-        Self { parse, load, build, render, filter, encode: Times::default() }
+        let [filter, encode] = amid_rays.map(|cpu| Times { wall: cpu / threads as u32, cpu });
+        let (load, render) = (loading.without(build), rendering.without(filter).without(encode));
+        Self { parse, load, build, render, filter, encode }
     }
 
     pub fn named(&self) -> [(&'static str, Times); 6] {

@@ -316,7 +316,7 @@ impl Picture<'_> {
             }
             _ => estimate,
         };
-        Frame { film, counts, samples, estimate, filter: Duration::ZERO }
+        Frame { film, counts, samples, estimate, filter: Duration::ZERO, writing: Duration::ZERO }
     }
 }
 

@@ -8,6 +8,7 @@ use std::time::Duration;
 /// The pixels of a picture, and their cost.
 #[derive(Debug)]
 pub struct Frame {
+    /// Empty if the pictures were written while they were rendered.
     pub film: Film,
     /// Rays traced.
     pub counts: RayCounts,
@@ -16,6 +17,8 @@ pub struct Frame {
     pub estimate: Option<ErrorEstimate>,
     /// Time spent on turning samples into pixels, summed over all threads; zero unless it was measured.
     pub filter: Duration,
+    /// Time spent on writing bands, summed over all threads.
+    pub writing: Duration,
 }
 
 /// The numbers of samples of a picture's pixels.

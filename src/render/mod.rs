@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod allocation;
+mod bands;
 mod empty_tiles;
 pub mod error_estimate;
 mod error_map;
@@ -30,15 +31,23 @@ pub use pixel::Pixel;
 pub use preview::MIRRORS as PREVIEW_MIRRORS;
 pub use samples::{SamplePattern, SampleSet};
 pub use tiles::Progress;
-pub use uniform::render as render_uniform;
+pub use uniform::{render as render_uniform, render_bands};
 
 use crate::film::Planes;
 use crate::options::Options;
 use tile_samples::TileSamples;
+use tiles::Tiles;
 
-/// Estimates the memory for the pictures in bytes: the film, and with adaptive sampling the sums over samples.
+/// Estimates the memory for the pictures in bytes: some bands of them, or the film, and with adaptive sampling the sums
+/// over samples.
 pub fn bytes_needed(options: &Options) -> u64 {
     let planes = Planes::wanted_by(options);
+    if !options.keeps_film() {
+        let tiles = Tiles { width: options.width, height: options.height };
+        let exr = if options.color_is_exr() { 12 * options.pixels() } else { 0 };
+        return bands::bytes_in_flight(tiles, planes).min(options.pixels() * planes.bytes_per_pixel() as u64)
+            + exr;
+    }
     let measure = &options.measure;
     let sums = if measure.is_adaptive() || measure.convergence.is_some() {
         TileSamples::bytes_per_pixel(planes)
@@ -47,6 +56,5 @@ pub fn bytes_needed(options: &Options) -> u64 {
     };
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
-    let bytes_per_pixel = films * planes.bytes_per_pixel() + sums;
-    u64::from(options.width) * u64::from(options.height) * bytes_per_pixel as u64
+    options.pixels() * (films * planes.bytes_per_pixel() + sums) as u64
 }

@@ -25,13 +25,42 @@ pub struct Tile {
     pub height: u32,
 }
 
+/// The tiles of a picture, row by row. A row of tiles is a *band*.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiles {
+    /// Of the picture.
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Tiles {
+    /// Returns the number of all tiles.
+    pub fn count(&self) -> usize {
+        self.columns() * self.height.div_ceil(TILE) as usize
+    }
+
+    /// Returns the number of tiles in a band.
+    pub fn columns(&self) -> usize {
+        self.width.div_ceil(TILE) as usize
+    }
+
+    /// Returns a tile by its number.
+    pub fn tile(&self, number: usize) -> Tile {
+        let (x, row) = ((number % self.columns()) as u32 * TILE, (number / self.columns()) as u32 * TILE);
+        Tile { x, row, width: TILE.min(self.width - x), height: TILE.min(self.height - row) }
+    }
+
+    /// Returns the pixels of a whole band.
+    pub fn band_pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(TILE)
+    }
+}
+
 impl Tile {
     /// Returns the tiles of a picture, row by row.
     pub fn all(width: u32, height: u32) -> Vec<Self> {
-        let rows = (0..height).step_by(TILE as usize);
-        rows.flat_map(|row| (0..width).step_by(TILE as usize).map(move |x| (x, row)))
-            .map(|(x, row)| Self { x, row, width: TILE.min(width - x), height: TILE.min(height - row) })
-            .collect()
+        let tiles = Tiles { width, height };
+        (0..tiles.count()).map(|number| tiles.tile(number)).collect()
     }
 
     /// Iterates over columns and rows of the tile's pixels, row by row.

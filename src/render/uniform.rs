@@ -1,27 +1,26 @@
-//! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile.
+//! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile ([`Bands`]).
 
+use super::bands::{Bands, RenderedTile, TileCost, Totals};
 use super::empty_tiles::EmptyTiles;
-use super::error_estimate::ErrorSums;
+use super::error_estimate::{ErrorEstimate, ErrorSums};
 use super::error_map;
-use super::frame::{Frame, SampleCounts};
+use super::frame::Frame;
 use super::pixel::{Pixel, average, filter_weight, filtered, finite, store};
 use super::rays::RayMaker;
 use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
-use super::tiles::{Progress, Tile, decode_faces_ahead};
+use super::tiles::{Progress, Tile, Tiles, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use crate::camera::Place;
-use crate::film::{Film, Planes};
+use crate::error::Error;
+use crate::film::{BandWriter, Film, FilmWriter, Planes};
 use crate::options::Options;
 use crate::plan::Plan;
-use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use crate::simd::packet::PACKET;
 use crate::timing::Deadline;
 use crate::trace::Seen;
 use crate::wide::PACKETS_AT_ONCE;
-use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use vecmath::Vector3;
 
@@ -29,78 +28,63 @@ use vecmath::Vector3;
 /// they share work.
 pub const RAYS_AT_ONCE: usize = PACKETS_AT_ONCE * PACKET;
 
-/// Renders the pictures of `plan`. A pixel depends only on its place, so the picture is the same for any number of
-/// threads.
+/// Renders the pictures of `plan` into memory. A pixel depends only on its place, so the picture is the same for any
+/// number of threads.
 pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
-    let tiles = Tile::all(options.width, options.height);
+    let mut film = FilmWriter::new(options.width, options.height, Planes::wanted_by(options));
+    let totals = render_tiles(scene, plan, options, vec![&mut film], progress).expect("a film takes every band");
+    let mut film = film.film;
+    let kind = set_kind(options);
+    if let (Some(variances), Some(estimate)) = (&mut film.variances, estimate(&totals.errors, options)) {
+        let factor = totals.errors.coarse_factor(kind);
+        *variances = error_map::finished(variances, options.width as usize, factor, &estimate);
+    }
+    frame(film, totals, options)
+}
+
+/// Renders the same, and has each writer write each band while others are rendered. The frame has no film.
+///
+/// # Errors
+/// The first error of a writer, which ends rendering.
+pub fn render_bands(
+    scene: &Scene,
+    plan: &Plan,
+    options: &Options,
+    writers: Vec<&mut dyn BandWriter>,
+    progress: &dyn Progress,
+) -> Result<Frame, Error> {
+    let totals = render_tiles(scene, plan, options, writers, progress)?;
+    Ok(frame(Film::new(0, 0, Planes::default()), totals, options))
+}
+
+fn render_tiles(
+    scene: &Scene,
+    plan: &Plan,
+    options: &Options,
+    writers: Vec<&mut dyn BandWriter>,
+    progress: &dyn Progress,
+) -> Result<Totals, Error> {
     decode_faces_ahead(scene, plan, options);
-    let film = Film::new(options.width, options.height, Planes::wanted_by(options));
     let maker = RayMaker::new(options);
     let empty = EmptyTiles::new(scene, plan, options, &maker);
-    let picture = Mutex::new(Picture {
-        film,
-        counts: RayCounts::default(),
-        filter: Duration::ZERO,
-        tiles: 0,
-        samples: SampleCounts::default(),
-    });
-    let errors: Vec<ErrorSums> = tiles
-        .par_iter()
-        .map_init(
-            || TileRenderer::new(scene, plan, options, &maker),
-            |renderer, tile| {
-                let is_empty = empty.contain(tile);
-                let rendered = if is_empty { renderer.fill(tile, &empty) } else { renderer.render(tile) };
-                // A poisoned lock means that another thread has panicked; that panic will be reported.
-                if let Ok(mut picture) = picture.lock() {
-                    picture.add(tile, &rendered);
-                    progress.advance(picture.tiles, tiles.len());
-                }
-                rendered.errors
-            },
-        )
-        .collect();
-    let Picture { mut film, counts, filter, samples, .. } =
-        picture.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let (errors, kind) = (ErrorSums::total(errors), set_kind(options));
-    let estimate = errors.estimate(kind, options.samples() * options.grid_pixels());
-    if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
-        *variances = error_map::finished(variances, options.width as usize, errors.coarse_factor(kind), estimate);
-    }
+    let tiles = Tiles { width: options.width, height: options.height };
+    let bands = Bands::new(tiles, Planes::wanted_by(options), writers);
+    bands.render(progress, &|| {
+        let mut renderer = TileRenderer::new(scene, plan, options, &maker);
+        let empty = &empty;
+        Box::new(move |tile| if empty.contain(tile) { renderer.fill(tile, empty) } else { renderer.render(tile) })
+    })
+}
+
+fn frame(film: Film, totals: Totals, options: &Options) -> Frame {
     // Without an estimate no errors are added up.
-    let estimate = estimate.filter(|_| wants_estimate(options));
-    Frame { film, counts, samples, estimate, filter }
+    let estimate = estimate(&totals.errors, options).filter(|_| wants_estimate(options));
+    let Totals { counts, samples, filter, writing, .. } = totals;
+    Frame { film, counts, samples, estimate, filter, writing }
 }
 
-/// The picture that is being rendered.
-struct Picture {
-    film: Film,
-    counts: RayCounts,
-    filter: Duration,
-    /// Number of finished tiles.
-    tiles: usize,
-    samples: SampleCounts,
-}
-
-impl Picture {
-    fn add(&mut self, tile: &Tile, rendered: &RenderedTile) {
-        self.film.place(tile.x, tile.row, &rendered.film);
-        self.counts += rendered.counts;
-        self.filter += rendered.filter;
-        self.tiles += 1;
-        self.samples.add_pixels(u64::from(tile.width * tile.height), rendered.samples);
-    }
-}
-
-/// A finished tile.
-struct RenderedTile {
-    film: Film,
-    /// Of each pixel.
-    samples: u32,
-    counts: RayCounts,
-    errors: ErrorSums,
-    /// Time spent on turning samples into pixels; zero unless it is measured.
-    filter: Duration,
+fn estimate(errors: &ErrorSums, options: &Options) -> Option<ErrorEstimate> {
+    errors.estimate(set_kind(options), options.samples() * options.grid_pixels())
 }
 
 /// Renders tiles: makes rays of their pixels, traces them, and makes pixels of what they see.
@@ -163,13 +147,14 @@ impl<'a> TileRenderer<'a> {
         let mut film = Film::new(tile.width, tile.height, self.planes);
         store(pixels, &mut film);
         film.set_variances(self.variances.drain(..));
-        RenderedTile {
-            film,
+        let cost = TileCost {
+            pixels: pixels.len() as u64,
             samples,
             counts: self.tracer.take_counts(),
             errors: std::mem::take(&mut self.errors),
             filter: std::mem::take(&mut self.filter),
-        }
+        };
+        RenderedTile { film, cost }
     }
 
     /// Traces some pixels of the picture and adds them to `resolved`.

@@ -140,13 +140,14 @@ fn what_does_not_fit_into_memory_is_refused() {
     let folder = folder_with_scene();
     folder.write("m.obj", "v 0 0 0\n".repeat(9_000_000));
     folder.write("mesh.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
-    let large = "-input s.txt -output o.png -normals n.png -size 10000 10000";
+    // With an error map, the whole pictures stay in memory.
+    let large = "-input s.txt -output o.png -error-map e.png -size 10000 10000";
     for (limit, arguments, parts) in [
-        ("-v 500000", large, ["the pictures need about 572.2 MiB", "'ulimit -v'"]),
+        ("-v 500000", large, ["the pictures need about 667.6 MiB", "'ulimit -v'"]),
         (
             "-v unlimited",
             &format!("{large} -max-memory 500M"),
-            ["572.2 MiB of memory, and 500.0 MiB", "-max-memory"],
+            ["667.6 MiB of memory, and 500.0 MiB", "-max-memory"],
         ),
         ("-v 250000", "-input mesh.txt -output o.png", ["the pictures and meshes need about", "'ulimit -v'"]),
         ("-v unlimited", "-input mesh.txt -output o.png -max-memory 50M", ["50.0 MiB can be had", "-max-memory"]),
@@ -156,6 +157,22 @@ fn what_does_not_fit_into_memory_is_refused() {
         assert!(parts.iter().all(|part| run.stderr.contains(part)), "{arguments}: {}", run.stderr);
     }
     assert_eq!(folder.files(), ["m.obj", "mesh.txt", "s.txt"]);
+}
+
+#[test]
+fn a_higher_picture_needs_no_more_memory() {
+    let folder = folder_with_scene();
+    let peak = |height: u32| {
+        let pictures = "-output o.png -normals n.png -depth 8 18 d.png -report r.json -max-memory 40M";
+        let run = folder.a2(&format!("-input s.txt {pictures} -size 3000 {height} -threads 2"));
+        assert_eq!(run.exit_code, 0, "{}", run.stderr);
+        let report = std::fs::read_to_string(folder.path("r.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        report["peak_memory_bytes"].as_f64().unwrap()
+    };
+    let (low, high) = (peak(1000), peak(6000));
+    // The pictures of the second have 105 MB more.
+    assert!(high < low + 8e6 && high < 64e6, "{low} and {high}");
 }
 
 #[test]

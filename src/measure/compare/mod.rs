@@ -12,8 +12,9 @@ pub use regions::Region;
 
 use crate::error::Error;
 use crate::film::write_png;
-use crate::options::{CompareOptions, MAX_PIXELS};
+use crate::options::CompareOptions;
 use crate::output;
+use crate::picture_file::MAX_PIXELS;
 use panel::Panel;
 use picture::Picture;
 use std::io::Write as _;
