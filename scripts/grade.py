@@ -10,6 +10,8 @@ here). Exit code: 0 if every submission has full credit, otherwise 1; 2 if nothi
 
 import argparse
 import os
+import signal
+import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -44,6 +46,8 @@ def parsed_arguments():
     for kind in ("json", "csv", "html"):
         parser.add_argument(f"--{kind}", metavar="FILE", type=Path, help=f"write the results as {kind.upper()}")
     arguments = parser.parse_args()
+    if os.name != "posix":
+        parser.error("limits of time and memory need Linux or macOS")
     arguments.scenes = [name.strip() for name in arguments.scenes.split(",")]
     for name in arguments.scenes:
         if name not in known:
@@ -53,6 +57,9 @@ def parsed_arguments():
     for folder in (arguments.starter / "data", arguments.starter / "sample_out"):
         if not folder.is_dir():
             parser.error(f"there is no folder {folder}")
+    for path in (arguments.json, arguments.csv, arguments.html):
+        if path and not path.resolve().parent.is_dir():
+            parser.error(f"there is no folder for '{path}'")
     for submission in arguments.submissions:
         if not submission.exists():
             parser.error(f"there is no program or folder '{submission}'")
@@ -91,7 +98,7 @@ def graded(grader, submissions, arguments):
                 print(f"\r{len(results)} of {len(tasks)}", end=end, file=sys.stderr, flush=True)
     except BaseException:
         executor.shutdown(wait=False, cancel_futures=True)
-        grade_run.kill_all()
+        grade_run.end_all()
         raise
     finally:
         executor.shutdown()
@@ -99,17 +106,13 @@ def graded(grader, submissions, arguments):
     return [results[at : at + count] for at in range(0, len(results), count)]
 
 
-def main():
-    arguments = parsed_arguments()
+def grade(arguments):
+    """Grades, prints and writes all. Returns whether every submission has full credit."""
     judge = Path(os.environ.get("A2_JUDGE") or batch.built_program()).resolve()
     submissions = arguments.submissions or [Path(os.environ.get("A2") or judge)]
     submissions = [path.resolve() for path in submissions]
     with tempfile.TemporaryDirectory() as work:
-        try:
-            grader = grade_judge.Grader(judge, arguments, Path(work))
-        except grade_judge.CannotGrade as error:
-            print(f"error: {error}", file=sys.stderr)
-            return 2
+        grader = grade_judge.Grader(judge, arguments, Path(work))
         results = graded(grader, submissions, arguments)
         found = [
             grade_page.Submission(name, path, rows)
@@ -117,12 +120,24 @@ def main():
         ]
         print(grade_page.picture_table(found) if arguments.pictures else grade_page.table(found))
         if arguments.json:
-            arguments.json.write_text(grade_page.json_text(found, grader))
+            arguments.json.write_text(grade_page.json_text(found, grader), encoding="utf-8")
         if arguments.csv:
-            arguments.csv.write_text(grade_page.csv_text(found))
+            arguments.csv.write_text(grade_page.csv_text(found), encoding="utf-8")
         if arguments.html:
             grade_page.write_html(arguments.html, found, grader)
-    return 0 if all(row.status == "ok" for submission in found for row in submission.rows) else 1
+    return all(row.status == "ok" for submission in found for row in submission.rows)
+
+
+def main():
+    # Ends as Ctrl-C does: with all programs that run.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return 0 if grade(parsed_arguments()) else 1
+    except KeyboardInterrupt:
+        print("error: interrupted", file=sys.stderr)
+    except (grade_judge.CannotGrade, subprocess.CalledProcessError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+    return 2
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ class Picture:
     status: str
     # What a2 found, if the picture could be compared: the JSON of -compare.
     report: dict = None
-    # Otherwise why not.
+    # Otherwise why not; or what else there is to say.
     message: str = ""
     # PNG of the picture, the reference and the differences.
     panel: Path = None
@@ -127,9 +127,10 @@ class Grader:
             command = [self.a2, "-compare", picture, reference, "-report", report]
             command += ["-diff", diff] if diff else []
             result = subprocess.run(command, capture_output=True, text=True)
-            if result.returncode == 2 or not report.is_file():
-                return None, result.stderr.removeprefix("error: ").strip()
-            return json.loads(report.read_text()), result.stderr.removeprefix("error: ").strip()
+            if result.returncode in (0, 1, 3):
+                return json.loads(report.read_text()), ""
+            message = result.stderr.removeprefix("error: ").strip()
+            return None, message or f"a2 -compare ended with exit code {result.returncode}"
 
     def panel_name(self):
         with self.lock:
@@ -140,18 +141,20 @@ class Grader:
         """Judges a picture; is_right says of a report whether it is right."""
         if not path.is_file():
             return Picture(path.name, "missing")
-        panel = self.panel_name() if self.wants_panels else None
-        report, message = self.compare(path, reference, panel)
+        report, message = self.compare(path, reference)
         if report is None:
             # The place of the file does not matter, and may be a temporary one.
             return Picture(path.name, "unreadable", message=message.replace(str(path), path.name))
         if report["verdict"] == "sizes differ":
             sizes = [" x ".join(map(str, report[size])) for size in ("size_of_a", "size_of_b")]
             return Picture(path.name, "wrong size", message=f"{path.name} is {sizes[0]} pixels, not {sizes[1]}")
-        is_ok = is_right(report)
-        if is_ok and panel:
-            panel.unlink()
-        return Picture(path.name, "ok" if is_ok else "differs", report, panel=None if is_ok else panel)
+        found = Picture(path.name, "ok" if is_right(report) else "differs", report)
+        if self.wants_panels and found.status == "differs":
+            found.panel = self.panel_name()
+            self.compare(path, reference, found.panel)
+        if report["pixels_of_other_alpha"]:
+            found.message = f"{path.name}: alpha differs in {report['pixels_of_other_alpha']} pixels, and is not compared"
+        return found
 
     def run_in(self, folder, submission, command):
         """Runs a command of a submission that is a program. Returns none for a folder of pictures."""

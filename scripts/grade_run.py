@@ -20,6 +20,7 @@ KEPT_OUTPUT = 400
 # A shell script ends with 128 and the number of the signal that ended the program in it.
 SIGNAL_BASE = 128
 
+# The processes of all runs, or none when no more may run.
 RUNNING = set()
 RUNNING_LOCK = threading.Lock()
 
@@ -49,11 +50,17 @@ def kill_group(pid):
         pass
 
 
-def kill_all():
-    """Ends all runs."""
+def end_all():
+    """Ends all runs, and lets no other begin."""
+    global RUNNING
     with RUNNING_LOCK:
-        for pid in RUNNING:
+        for pid in RUNNING or ():
             kill_group(pid)
+        RUNNING = None
+
+
+class Ended(Exception):
+    """No more programs may run."""
 
 
 def run(command, folder, seconds, megabytes):
@@ -61,7 +68,9 @@ def run(command, folder, seconds, megabytes):
     limits = [str(int(megabytes * 1024)), str(LARGEST_FILE // 512)]
     errors = Path(folder) / ".stderr"
     start = time.monotonic()
-    with open(errors, "wb") as stderr:
+    with RUNNING_LOCK, open(errors, "wb") as stderr:
+        if RUNNING is None:
+            raise Ended
         process = subprocess.Popen(
             ["sh", "-c", LIMITED, "sh", *limits, *command],
             cwd=folder,
@@ -70,7 +79,6 @@ def run(command, folder, seconds, megabytes):
             stderr=stderr,
             start_new_session=True,
         )
-    with RUNNING_LOCK:
         RUNNING.add(process.pid)
     is_late = threading.Event()
     timer = threading.Timer(seconds, lambda: (is_late.set(), kill_group(process.pid)))
@@ -82,7 +90,8 @@ def run(command, folder, seconds, megabytes):
     # What it has left behind.
     kill_group(process.pid)
     with RUNNING_LOCK:
-        RUNNING.discard(process.pid)
+        if RUNNING is not None:
+            RUNNING.discard(process.pid)
     name, detail = ending(process.returncode, is_late.is_set(), seconds)
     # Linux counts KiB, macOS bytes.
     memory = usage.ru_maxrss / (1 << 20 if sys.platform == "darwin" else 1 << 10)

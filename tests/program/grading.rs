@@ -123,22 +123,55 @@ fn a_submission_that_hangs_is_ended_with_all_its_processes() {
     assert_eq!(notes(&found[0], 0), "after 5 s\n");
     let seconds = found[0]["scenes"][0]["run"]["seconds"].as_f64().unwrap();
     assert!((5.0..60.0).contains(&seconds), "{seconds}");
-    if cfg!(target_os = "linux") {
-        let process = std::fs::read_to_string(child).unwrap();
-        // Gone, or dead and not yet buried.
-        let state = std::fs::read_to_string(format!("/proc/{}/stat", process.trim())).unwrap_or(") Z".into());
-        assert!(state.contains(") Z") || state.contains(") X"), "{state}");
-    }
+    #[cfg(target_os = "linux")]
+    assert!(has_ended(&std::fs::read_to_string(child).unwrap()));
+}
+
+/// Whether a process is gone, or dead and not yet buried.
+#[cfg(target_os = "linux")]
+fn has_ended(process: &str) -> bool {
+    let state = std::fs::read_to_string(format!("/proc/{}/stat", process.trim())).unwrap_or(") Z".into());
+    state.contains(") Z") || state.contains(") X")
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_grader_that_is_ended_ends_what_it_has_started() {
+    let folder = Folder::new();
+    let child = folder.path("child");
+    write_submission(&folder, "hang", &format!("echo $$ > part; mv part {}; sleep 600", child.display()));
+    let mut command = Command::new("python3");
+    command.arg(project("scripts/grade.py")).args(["hang", "--scenes", "01", "--size", "40"]);
+    let grader = command.env("A2_JUDGE", A2).current_dir(folder.path("")).stderr(std::process::Stdio::piped());
+    let grader = grader.spawn().unwrap();
+    let has_begun = (0..3000).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        child.exists()
+    });
+    let ended = Command::new("kill").arg(grader.id().to_string()).status().unwrap();
+    let output = grader.wait_with_output().unwrap();
+    assert!(has_begun && ended.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "error: interrupted\n");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(has_ended(&std::fs::read_to_string(child).unwrap()));
 }
 
 #[test]
-fn a_lack_of_memory_and_an_exit_code_are_told_apart_from_a_crash() {
+fn a_lack_of_memory_an_exit_code_and_alpha_are_named() {
     let folder = Folder::new();
     write_submission(&folder, "greedy", "exec python3 -c 'bytearray(1 << 30)'");
+    let faint = folder.path("faint.png");
+    image::RgbaImage::from_pixel(40, 40, image::Rgba([0, 0, 0, 9])).save(&faint).unwrap();
+    let copy = format!("cp {} \"$picture\"", faint.display());
+    write_submission(&folder, "faint", &for_each_picture(&copy));
     write_submission(&folder, "refuses", &format!("{A2} \"$@\"; echo 'no <b>luck</b>' >&2; exit 7"));
-    let arguments = ["greedy", "refuses", "--scenes", "03", "--memory-limit", "400", "--html", "grades.html"];
+    let arguments =
+        ["greedy", "refuses", "faint", "--scenes", "03", "--memory-limit", "400", "--html", "grades.html"];
     let (run, found) = grade(&folder, &arguments);
-    assert_eq!([&found[0], &found[1]].map(statuses), [["failed"], ["failed"]], "{}", run.stdout);
+    let expected = [["failed"], ["failed"], ["differs"]];
+    assert_eq!([&found[0], &found[1], &found[2]].map(statuses), expected, "{}", run.stdout);
+    let alpha = "a03n.png: alpha differs in 1600 pixels, and is not compared";
+    assert!(notes(&found[2], 0).contains(alpha), "{}", notes(&found[2], 0));
     assert!(notes(&found[0], 0).contains("MemoryError") || !cfg!(target_os = "linux"), "{}", notes(&found[0], 0));
     assert_eq!(notes(&found[1], 0), "exit code 7\nits pictures are right\nsays: no <b>luck</b>\n");
     let page = std::fs::read_to_string(folder.path("grades.html")).unwrap();
@@ -221,9 +254,16 @@ fn folders_of_pictures_are_graded_and_errors_are_clear() {
     let (run, found) = grade(&folder, &["one/pictures", "pictures", "--scenes", "01,02,aa"]);
     assert_eq!([&found[0], &found[1]].map(statuses), [["ok", "ok", "missing"], ["missing"; 3]], "{}", run.stdout);
     assert_eq!(found[0]["name"], "one/pictures");
-    let parts = ["--scenes 01,09", "none", "one/pictures/a01.png", "--starter one", "--size 0"];
-    let messages =
-        ["no scene '09'", "no program or folder 'none'", "cannot be executed", "no folder one/data", "at least 4"];
+    let parts =
+        ["--scenes 01,09", "none", "one/pictures/a01.png", "--starter one", "--size 0", "--csv none/g.csv"];
+    let messages = [
+        "no scene '09'",
+        "no program or folder 'none'",
+        "cannot be executed",
+        "no folder one/data",
+        "at least 4",
+        "no folder for",
+    ];
     for (arguments, message) in parts.into_iter().zip(messages) {
         let words: Vec<&str> = arguments.split(' ').collect();
         let run = python(&folder, "scripts/grade.py", &words);
