@@ -20,6 +20,8 @@ mod numbers;
 mod outputs;
 mod parse_errors;
 mod picture_files;
+#[cfg(unix)]
+mod report;
 mod rust_source;
 mod snapshots;
 #[path = "../support/mod.rs"]
