@@ -25,8 +25,13 @@ impl Material {
     /// As in the starter, the highlight does not depend on whether the light is in front of the surface, and 0^0 is
     /// 1.
     pub fn phong(&self, light: &Illumination, normal: Vector3, mirrored: Vector3) -> Vector3 {
-        let highlight = power(mirrored.dot(light.to_light).max(0.0), self.shininess);
+        let highlight = self.highlight(light.to_light, mirrored);
         self.reflect(light.intensity, normal.dot(light.to_light), highlight)
+    }
+
+    /// Returns max(0, R.L)^shininess, with R the mirrored ray and L the direction to a light.
+    pub fn highlight(&self, to_light: Vector3, mirrored: Vector3) -> Real {
+        power(mirrored.dot(to_light).max(0.0), self.shininess)
     }
 
     /// Returns max(0, N.L) I diffuse + highlight I specular, with N.L the `cosine`.

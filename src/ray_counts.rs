@@ -7,6 +7,8 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     pub camera: u64,
+    /// Camera rays that hit anything.
+    pub camera_hits: u64,
     pub shadow: u64,
     pub mirror: u64,
     /// Shadow rays that were skipped because the light contributes exactly zero.
@@ -22,6 +24,7 @@ impl RayCounts {
 impl AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.camera += other.camera;
+        self.camera_hits += other.camera_hits;
         self.shadow += other.shadow;
         self.mirror += other.mirror;
         self.shadow_left_out += other.shadow_left_out;

@@ -11,14 +11,18 @@
 //! ```
 //!
 //! The renderer in [`wide`](crate::wide) follows 64 rays at a time and gives every pixel the same bits. `-plain` renders
-//! with this file instead: it is slower, and the first thing to try when a picture looks wrong.
+//! with this file instead: it is slower, and the first thing to try when a picture looks wrong. `-pixel` shows the steps
+//! below with their numbers: an [`Observer`] is told each of them.
+
+mod observer;
+
+pub use observer::{LightTerm, Observer, RayKind, Shadow};
 
 use crate::light::Light;
 use crate::material::{Material, mirrored};
 use crate::objects::{Hit, Ray};
 use crate::options::Epsilon;
 use crate::plan::Plan;
-use crate::ray_counts::RayCounts;
 use crate::ray_offset::{BesideSurface, RayOffset};
 use crate::scene::Scene;
 use crate::timing::Deadline;
@@ -38,7 +42,7 @@ pub struct Seen {
 /// A path looks at the clock once in so many mirrors.
 const MIRRORS_BETWEEN_LOOKS: u32 = 64;
 
-/// Returns what a camera ray sees, and counts the rays that this takes.
+/// Returns what a camera ray sees, and tells the observer how.
 ///
 /// The course's `traceRay` calls itself for the mirror ray and multiplies on the way back. Here the product is carried
 /// along instead: the *throughput* is the share of further light that reaches the eye. So the stack stays small
@@ -50,11 +54,11 @@ pub fn trace_ray(
     plan: &Plan,
     camera_ray: Ray,
     deadline: Deadline,
-    counts: &mut RayCounts,
+    observer: &mut impl Observer,
 ) -> Option<Seen> {
-    counts.camera += 1;
     let mut ray = camera_ray;
     let mut hit = scene.geometry.closest_hit(&ray);
+    observer.ray(RayKind::Camera, &ray, Vector3::splat(1.0), hit.as_ref());
     let mut seen = first_seen(scene, plan, &ray, hit.as_ref());
     if !plan.color {
         return Some(seen);
@@ -62,7 +66,9 @@ pub fn trace_ray(
     let (mut throughput, mut bounces) = (Vector3::splat(1.0), plan.bounces);
     while let Some(found) = hit {
         let surface = Surface::at(scene, plan, &ray, &found);
-        seen.color += throughput.scaled_by(surface.reflected_light(scene, plan, counts));
+        let reflected = surface.reflected_light(scene, plan, observer);
+        observer.surface(&surface, reflected);
+        seen.color += throughput.scaled_by(reflected);
         if bounces == 0 || !surface.material.is_mirror() {
             return Some(seen);
         }
@@ -76,11 +82,13 @@ pub fn trace_ray(
             return None;
         }
         (seen.color, throughput) = kept_finite(scene, seen.color, throughput);
-        counts.mirror += 1;
         ray = surface.mirror_ray(plan);
         hit = scene.geometry.closest_hit(&ray);
+        observer.ray(RayKind::Mirror, &ray, throughput, hit.as_ref());
     }
-    seen.color += throughput.scaled_by(scene.background.color(ray.direction));
+    let background = scene.background.color(ray.direction);
+    observer.background(background);
+    seen.color += throughput.scaled_by(background);
     Some(seen)
 }
 
@@ -91,13 +99,14 @@ fn first_seen(scene: &Scene, plan: &Plan, ray: &Ray, hit: Option<&Hit>) -> Seen 
 }
 
 /// The point of a surface that a ray has hit.
-struct Surface<'a> {
-    material: &'a Material,
-    normal: Vector3,
+#[derive(Debug)]
+pub struct Surface<'a> {
+    pub material: &'a Material,
+    pub normal: Vector3,
     /// The mirrored direction of the ray.
-    reflected: Vector3,
+    pub reflected: Vector3,
     /// The point, and where rays that leave it start.
-    offset: RayOffset,
+    pub offset: RayOffset,
 }
 
 impl<'a> Surface<'a> {
@@ -118,28 +127,27 @@ impl<'a> Surface<'a> {
 
     /// Returns the light that the surface reflects along the ray, without what it mirrors: ambient light, and diffuse
     /// light and a highlight from each light that is not blocked.
-    fn reflected_light(&self, scene: &Scene, plan: &Plan, counts: &mut RayCounts) -> Vector3 {
-        let lights = scene.lights.iter().map(|light| self.reflected_from(light, scene, plan, counts));
+    fn reflected_light(&self, scene: &Scene, plan: &Plan, observer: &mut impl Observer) -> Vector3 {
+        let lights = scene.lights.iter().map(|light| self.reflected_from(light, scene, plan, observer));
         let color = lights.fold(Vector3::ZERO, |sum, reflected| sum + reflected);
         color + scene.ambient_light.scaled_by(self.material.diffuse)
     }
 
-    fn reflected_from(&self, light: &Light, scene: &Scene, plan: &Plan, counts: &mut RayCounts) -> Vector3 {
+    fn reflected_from(&self, light: &Light, scene: &Scene, plan: &Plan, observer: &mut impl Observer) -> Vector3 {
         let seen = light.illuminate(self.offset.point());
         let reflected = self.material.phong(&seen, self.normal, self.reflected);
-        if plan.shadows {
+        let shadow = if !plan.shadows {
+            Shadow::NotWanted
+        } else if reflected == Vector3::ZERO {
             // No shadow ray where the light contributes exactly zero.
-            if reflected == Vector3::ZERO {
-                counts.shadow_left_out += 1;
-                return Vector3::ZERO;
-            }
-            counts.shadow += 1;
+            Shadow::LeftOut
+        } else {
             let (ray, t_max) = self.offset.shadow_ray(light, &seen, plan.robust);
-            if scene.geometry.any_hit(&ray, t_max) {
-                return Vector3::ZERO;
-            }
-        }
-        reflected
+            Shadow::Traced { ray, t_max, is_blocked: scene.geometry.any_hit(&ray, t_max) }
+        };
+        let term = LightTerm { seen, reflected, shadow };
+        observer.light(self, &term);
+        term.added()
     }
 
     fn mirror_ray(&self, plan: &Plan) -> Ray {

@@ -104,6 +104,7 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         for (index, places) in places.chunks(PACKET).enumerate() {
             let active = camera_rays(self.simd, &self.scene.camera, grid, places, rays);
             let hit = self.find_hits(rays, active);
+            self.counts.camera_hits += u64::from(hit.count_ones());
             let first = seen.len();
             self.record(active, hit, seen);
             if self.plan.color {
