@@ -4,7 +4,7 @@
 
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
-use crate::scene_file::{Description, Leaf, LeafShape, Node};
+use crate::scene_file::{At, Description, Leaf, LeafShape, Node};
 use crate::simd::InstructionSet;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -31,6 +31,8 @@ pub struct Plan {
     pub cube_map: bool,
     /// Upper bound of reflected light in any component, if one is known.
     pub radiance_bound: Option<Real>,
+    /// Keep where in the scene file everything stands.
+    pub places: bool,
     /// The instruction set that rays are computed with.
     pub simd: InstructionSet,
     /// What is left out and why, a sentence each.
@@ -46,7 +48,7 @@ impl Plan {
             }
             unless
         };
-        let color = leave_out(options.color.is_some(), "shading: no colour picture is asked for");
+        let color = leave_out(options.wants_colors(), "shading: no colour picture is asked for");
         let depth = leave_out(options.depth.is_some(), "depths: no depth picture is asked for");
         let normals = leave_out(options.normals.is_some(), "the normal picture: it is not asked for");
         let materials = materials_in_use(description);
@@ -62,6 +64,7 @@ impl Plan {
             bounces: 0,
             cube_map: false,
             radiance_bound: None,
+            places: !options.pixels.is_empty(),
             simd: options.simd,
             left_out,
         };

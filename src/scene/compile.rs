@@ -7,11 +7,13 @@ use super::file_path::{self, FilePath};
 use super::hints::Hints;
 use super::lights::lights;
 use super::obj::{self, MeshFile};
+use super::places::Places;
 use super::{Background, Geometry, LOOP_OBJECTS, Scene};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
 use crate::error::{Error, SourceText, Span, cut_short};
 use crate::input::read_whole;
+use crate::material::Material;
 use crate::memory::Budget;
 use crate::objects::{Mesh, Object, Shape, Transform};
 use crate::plan::Plan;
@@ -34,6 +36,8 @@ const MEMORY_FOR_AN_UNUSUAL_BYTE: u64 = 4;
 #[derive(Debug)]
 pub struct Compiled {
     pub scene: Scene,
+    /// Only if the plan wants them.
+    pub places: Option<Places>,
     /// The files of its meshes.
     pub mesh_files: Vec<MeshFile>,
     /// What was left out and why, a sentence each.
@@ -61,6 +65,7 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         folder,
         plan,
         objects: Vec::new(),
+        places: Vec::new(),
         meshes: Vec::new(),
         files: HashMap::new(),
         known_files: KnownFiles::default(),
@@ -73,20 +78,24 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         eye: camera.center,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { mut objects, meshes, mesh_files, hints, mut warnings, mut left_out, is_usual, .. } = flattened;
+    let Flattened { mut objects, places, meshes, mesh_files, hints, mut warnings, mut left_out, is_usual, .. } =
+        flattened;
     let (lights, ambient_light) = lights(description, plan, is_usual, &mut warnings);
     hints.finish(plan, &objects, source, &mut warnings);
     if !meshes.is_empty() && !plan.shows_normals() {
         left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
     }
-    let copies = if objects.len() > LOOP_OBJECTS { remove_copies(&mut objects) } else { 0 };
+    // Places are those of all objects.
+    let looks_for_copies = objects.len() > LOOP_OBJECTS && !plan.places;
+    let copies = if looks_for_copies { remove_copies(&mut objects) } else { 0 };
     if copies > 0 {
         left_out.push(format!("{copies} object(s): an equal one at the same place comes first in the file"));
     }
     // Shadow and mirror rays may go anywhere, and the trees that only these meet are built when they do.
     let is_in_picture = |object: &Object| object.bounds.as_ref().is_none_or(|bounds| camera.may_see(bounds));
     let (geometry, build) = timed(|| Geometry::for_rays_at(is_in_picture, objects, meshes, plan.simd));
-    let materials = description.materials.clone();
+    let materials: Vec<Material> = description.materials.iter().map(|material| material.value.clone()).collect();
+    let places = plan.places.then(|| Places::new(description, plan, places));
     let scene = Scene {
         camera,
         lights,
@@ -96,7 +105,7 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         materials,
         geometry,
     };
-    Ok(Compiled { scene, mesh_files, left_out, warnings, build })
+    Ok(Compiled { scene, places, mesh_files, left_out, warnings, build })
 }
 
 fn cube_map(
@@ -151,6 +160,8 @@ struct Flattened<'a> {
     plan: &'a Plan,
     hints: Hints,
     objects: Vec<Object>,
+    /// Of the objects, if the plan wants them.
+    places: Vec<Span>,
     meshes: Vec<Mesh>,
     /// Meshes by their file.
     files: HashMap<PathBuf, u32>,
@@ -218,6 +229,9 @@ impl Flattened<'_> {
         self.hints.note_too_thin(leaf.span, &object, self.eye);
         self.is_usual &= object.bounds.is_none_or(|bounds| !is_unusual(bounds.max_abs()));
         self.objects.push(object);
+        if self.plan.places {
+            self.places.push(leaf.span);
+        }
         Ok(())
     }
 

@@ -43,6 +43,6 @@ pub(super) fn lights(
 /// where the light is behind the surface.
 fn brightest(description: &Description) -> Real {
     let reflected = |material: &Material| material.diffuse.max_abs().max(material.specular.max_abs());
-    let most = description.materials.iter().map(reflected).fold(1.0, Real::max);
+    let most = description.materials.iter().map(|material| reflected(&material.value)).fold(1.0, Real::max);
     Real::MAX / 8.0 / most / (description.lights.len() as Real + 1.0)
 }

@@ -11,11 +11,12 @@ mod hints;
 mod lights;
 mod obj;
 mod object_tree;
+mod places;
 mod queries;
 
 pub use compile::{Compiled, compile};
 pub use geometry::{Geometry, build_mesh_tree};
-pub use obj::{MeshCounts, MeshFile, parse_mesh};
+pub use obj::{MeshCounts, MeshFile, parse_mesh, triangle_lines};
 pub use object_tree::LOOP_OBJECTS;
 
 use crate::camera::Camera;

@@ -47,7 +47,7 @@ pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result
 }
 
 /// Parses `Materials { numMaterials n  (Material { } | PhongMaterial { }) ... }`.
-pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<Material>, Error> {
+pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<At<Material>>, Error> {
     const KEYS: &[Key] =
         &[("numMaterials", Occurs::Once), ("Material", Occurs::AnyNumber), ("PhongMaterial", Occurs::AnyNumber)];
     let mut count = Count::default();
@@ -55,7 +55,7 @@ pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<
     fields.block(name, KEYS, |fields, key, span| {
         match key {
             "numMaterials" => count.read(fields, key, span)?,
-            _ => materials.push(material(fields, Token { text: key, span })?),
+            _ => materials.push(At { value: material(fields, Token { text: key, span })?, span }),
         }
         Ok(())
     })?;

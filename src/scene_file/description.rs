@@ -24,7 +24,7 @@ pub struct Description {
     /// Empty if the file has no lights.
     pub lights: Vec<At<Light>>,
     pub background: BackgroundBlock,
-    pub materials: Vec<Material>,
+    pub materials: Vec<At<Material>>,
     /// The tree of objects.
     pub root: Node,
 }

@@ -88,7 +88,7 @@ impl Reference<'_> {
         let Some(hit) = self.closest(&self.description.root, origin, direction) else {
             return self.description.background.color;
         };
-        let material = &self.description.materials[hit.material as usize];
+        let material = &self.description.materials[hit.material as usize].value;
         let point = origin + direction * hit.t;
         let mirrored = direction - hit.normal * (2.0 * direction.dot(hit.normal));
         let mut color = Vector3::ZERO;

@@ -7,12 +7,15 @@
 mod clean;
 mod decode;
 mod foreign;
+mod lines;
 mod plain;
 mod polygons;
 mod statements;
 #[cfg(test)]
 mod tests;
 mod words;
+
+pub use lines::triangle_lines;
 
 use crate::error::{Error, SourceText, Span};
 use crate::objects::Mesh;
