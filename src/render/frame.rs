@@ -1,7 +1,7 @@
 //! [`Frame`]: the result of rendering.
 
 use super::error_estimate::ErrorEstimate;
-use crate::film::Film;
+use crate::film::{Film, Planes};
 use crate::ray_counts::RayCounts;
 use std::time::Duration;
 
@@ -19,6 +19,20 @@ pub struct Frame {
     pub filter: Duration,
     /// Time spent on writing bands, summed over all threads.
     pub writing: Duration,
+}
+
+impl Frame {
+    /// Makes a frame without pictures.
+    pub fn empty() -> Self {
+        Self {
+            film: Film::new(0, 0, Planes::default()),
+            counts: RayCounts::default(),
+            samples: SampleCounts::default(),
+            estimate: None,
+            filter: Duration::ZERO,
+            writing: Duration::ZERO,
+        }
+    }
 }
 
 /// The numbers of samples of a picture's pixels.

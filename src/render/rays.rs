@@ -1,6 +1,6 @@
 //! [`RayMaker`]: makes the rays of a pixel, and pixels of what rays see.
 
-use super::pixel::Pixel;
+use super::pixel::{Pixel, average, filtered};
 use super::samples::SamplePattern;
 use crate::camera::{PixelGrid, Place};
 use crate::options::Options;
@@ -127,6 +127,29 @@ impl RayMaker {
         }
         let ((column, offset_x), (line, offset_y)) = (weighted_third(offset.0), weighted_third(offset.1));
         self.grid.place((3 * x + column, 3 * row + line), (offset_x, offset_y))
+    }
+
+    /// Returns what all rays of a pixel of the picture saw together: with `-jitter` the mean of the samples of each pixel
+    /// of the traced grid, with `-filter` the filtered block of these.
+    pub fn mean(&self, seen: &[Seen]) -> Pixel {
+        let mut grid_pixels = seen
+            .chunks(self.samples as usize)
+            .map(|seen| average(seen.iter().map(|seen| self.displayed(seen).sanitized()), self.samples));
+        if self.finer > 1 { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
+    }
+
+    /// Returns the pixel of the picture that shows what all its rays saw: their mean, or what the only one saw.
+    pub fn shown(&self, seen: &[Seen]) -> Pixel {
+        match (seen, &self.pattern) {
+            ([seen], None) => self.displayed(seen),
+            _ => self.mean(seen),
+        }
+    }
+
+    /// Returns where in the picture a place of the traced grid lies: in pixels from the upper left corner.
+    pub fn in_picture(&self, (x, y): Place) -> (Real, Real) {
+        let side = self.finer as Real;
+        (x / side, (self.grid.height as Real - y) / side)
     }
 
     /// Returns the pixel that shows what a ray saw.

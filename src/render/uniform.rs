@@ -5,7 +5,7 @@ use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{ErrorEstimate, ErrorSums};
 use super::error_map;
 use super::frame::Frame;
-use super::pixel::{Pixel, average, filter_weight, filtered, finite, store};
+use super::pixel::{Pixel, filter_weight, finite, store};
 use super::rays::RayMaker;
 use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
@@ -136,7 +136,7 @@ impl<'a> TileRenderer<'a> {
         let seen = empty.seen_through(tile, &mut *self.tracer);
         // Summed up like any other pixel, because sums round.
         let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
-        let pixel = self.mean_of(&vec![seen; rays_a_pixel]);
+        let pixel = self.maker.mean(&vec![seen; rays_a_pixel]);
         let pixels = vec![pixel; (tile.width * tile.height) as usize];
         self.errors.add_exact(pixels.len() as u64);
         self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
@@ -179,21 +179,11 @@ impl<'a> TileRenderer<'a> {
 
     /// Makes one pixel of the picture of everything that its rays saw.
     fn resolved(&mut self, seen: &[Seen]) -> Pixel {
-        let mean = self.mean_of(seen);
+        let mean = self.maker.mean(seen);
         if let Some(kind) = self.kind {
             self.add_error(kind, seen, mean.color);
         }
         mean
-    }
-
-    /// Returns with `-jitter` the mean of the samples of each pixel of the traced grid, with `-filter` the filtered block
-    /// of these pixels.
-    fn mean_of(&self, seen: &[Seen]) -> Pixel {
-        let samples = self.options.samples();
-        let mut grid_pixels = seen
-            .chunks(samples as usize)
-            .map(|seen| average(seen.iter().map(|seen| self.maker.displayed(seen).sanitized()), samples));
-        if self.options.filter { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
     }
 
     /// Adds the error of a pixel of the picture with this mean colour.
