@@ -24,6 +24,7 @@ pub mod cube_map;
 pub mod error;
 pub mod film;
 pub mod input;
+pub mod inspect;
 pub mod interrupt;
 pub mod light;
 pub mod material;
@@ -50,6 +51,7 @@ use args::Request;
 use cube_map::CubeMap;
 use error::Error;
 use film::{BandWriter, PictureWriter};
+use inspect::inspect;
 use measure::{Phases, Point, Reference, Report};
 use memory::Budget;
 use options::{CompareOptions, Options};
@@ -57,7 +59,7 @@ use output::say;
 use plan::Plan;
 use progress::Bar;
 use render::Frame;
-use scene::{Compiled, Scene, compile};
+use scene::{Compiled, MeshFile, Scene, compile};
 use scene_file::Description;
 use std::ffi::OsString;
 use timing::{Deadline, Stopwatch, Times, timed};
@@ -86,10 +88,7 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
         Request::Print(text) => Ok(Outcome { text, exit_code: 0 }),
         Request::PrintUsage(text) => Ok(Outcome { text, exit_code: 1 }),
         Request::Compare(options) => compare(&options),
-        Request::Render(options) => {
-            let is_complete = render_to_files(&options).map_err(with_code)?;
-            Ok(Outcome { text: String::new(), exit_code: if is_complete { 0 } else { INCOMPLETE } })
-        }
+        Request::Render(options) => render_to_files(&options).map_err(with_code),
     }
 }
 
@@ -102,8 +101,8 @@ fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
     Ok(Outcome { text, exit_code: u8::from(!alike) })
 }
 
-/// Renders a scene and writes its files. Returns whether the pictures are complete.
-fn render_to_files(options: &Options) -> Result<bool, Error> {
+/// Renders a scene and writes its files.
+fn render_to_files(options: &Options) -> Result<Outcome, Error> {
     let total = Stopwatch::start();
     write::check_files(options)?;
     if options.measure.is_adaptive() {
@@ -127,7 +126,8 @@ fn render_to_files(options: &Options) -> Result<bool, Error> {
         report.phases.encode += writing;
         report.total = total.times();
         write::write_findings(options, &report)?;
-        Ok(report.is_complete(options))
+        let text = report.pixels.iter().map(|pixel| pixel.text(options)).collect();
+        Ok(Outcome { text, exit_code: if report.is_complete(options) { 0 } else { INCOMPLETE } })
     })
 }
 
@@ -160,7 +160,7 @@ fn render_since(
         drop(description);
         compiled
     });
-    let Compiled { scene, mesh_files, left_out, warnings, build } = compiled?;
+    let Compiled { scene, places, mesh_files, left_out, warnings, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let (rendered, rendering) =
@@ -203,7 +203,9 @@ fn render_pictures(
     pictures: Option<&mut Vec<PictureWriter>>,
 ) -> Result<(Frame, Vec<Point>), Error> {
     let progress = Bar::new(options.quiet);
-    let frame = if options.measure.is_adaptive() {
+    let mut frame = if options.pictures().next().is_none() {
+        Frame::empty()
+    } else if options.measure.is_adaptive() {
         render::render_adaptive(scene, plan, options, limit, &progress)
     } else if options.measure.convergence.is_some() {
         return Ok(measure::render_convergence(scene, plan, options, reference, &progress));
@@ -215,4 +217,11 @@ fn render_pictures(
         render::render_uniform(scene, plan, options, &progress)
     };
     Ok((frame, Vec::new()))
+}
+
+/// Adds the meshes whose trees were not built.
+fn with_unmet_meshes(mut left_out: Vec<String>, scene: &Scene, mesh_files: &[MeshFile]) -> Vec<String> {
+    let unmet = mesh_files.iter().filter(|file| scene.geometry.is_unmet(file.mesh));
+    left_out.extend(unmet.map(|file| format!("the tree of {}: no ray meets its box", file.path.display())));
+    left_out
 }

@@ -4,6 +4,7 @@
 
 use crate::simd::InstructionSet;
 use std::path::{Path, PathBuf};
+use vecmath::Vector3;
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
@@ -99,6 +100,20 @@ impl Options {
     pub fn keeps_linear(&self) -> bool {
         let wanted = self.color_is_numbers() || self.measure.reference.is_some() || self.measure.keep_linear;
         wanted && self.color.is_some()
+    }
+}
+
+/// `-pixel X Y`: a place in the picture, in pixels from its upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelPlace {
+    pub x: f64,
+    pub y: f64,
+}
+
+impl PixelPlace {
+    /// Returns column and row of the pixel.
+    pub fn pixel(&self) -> (u32, u32) {
+        (self.x as u32, self.y as u32)
     }
 }
 

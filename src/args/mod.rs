@@ -4,6 +4,7 @@
 //! flags and values. The values are checked here, so that every message names flag, value and expectation.
 
 mod measuring;
+mod pixels;
 mod typed;
 
 use crate::error::Error;
@@ -13,9 +14,7 @@ use crate::options::{
 use crate::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use typed::{
-    FLAGS, Typed, command, explained, must_be_a_picture, must_be_png, usage, usage_error, with_two_dashes,
-};
+use typed::{FLAGS, Typed, command, explained, must_be_a_picture, usage, usage_error, with_two_dashes};
 
 /// What a command line asks the program to do.
 #[derive(Debug)]

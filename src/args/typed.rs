@@ -105,7 +105,8 @@ pub(super) fn command() -> clap::Command {
             // Counted, because a repeated switch is not an error.
             arg.action(ArgAction::Count)
         } else {
-            arg.action(ArgAction::Set)
+            let repeatable = if name == "pixel" { ArgAction::Append } else { ArgAction::Set };
+            arg.action(repeatable)
                 .num_args(values.len())
                 .value_parser(clap::value_parser!(OsString))
                 .allow_negative_numbers(true)

@@ -15,6 +15,7 @@ pub enum Plane {
     /// Bytes or numbers, as the file's name says.
     Color,
     Normals,
+    /// One byte a pixel.
     Depth,
 }
 

@@ -29,6 +29,7 @@ pub use adaptive::render as render_adaptive;
 pub use frame::{Frame, SampleCounts};
 pub use pixel::Pixel;
 pub use preview::MIRRORS as PREVIEW_MIRRORS;
+pub use rays::RayMaker;
 pub use samples::{SamplePattern, SampleSet};
 pub use tiles::Progress;
 pub use uniform::{render as render_uniform, render_bands};
@@ -46,6 +47,7 @@ pub fn bytes_needed(options: &Options) -> u64 {
         let tiles = Tiles { width: options.width, height: options.height };
         let exr = if options.color_is_exr() { 12 * options.pixels() } else { 0 };
         return bands::bytes_in_flight(tiles, planes).min(options.pixels() * planes.bytes_per_pixel() as u64)
+            + options.pixels() * of_findings as u64
             + exr;
     }
     let measure = &options.measure;
@@ -56,5 +58,5 @@ pub fn bytes_needed(options: &Options) -> u64 {
     };
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
-    options.pixels() * (films * planes.bytes_per_pixel() + sums) as u64
+    options.pixels() * (films * planes.bytes_per_pixel() + sums + of_findings) as u64
 }
