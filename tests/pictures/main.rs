@@ -6,6 +6,7 @@ mod coverage;
 mod cube_maps;
 mod determinism;
 mod golden;
+mod pixel;
 mod plain;
 #[cfg(not(feature = "f32"))]
 mod reference;

@@ -20,6 +20,7 @@ mod numbers;
 mod outputs;
 mod parse_errors;
 mod picture_files;
+mod pixel;
 #[cfg(unix)]
 mod report;
 mod rust_source;
