@@ -49,6 +49,7 @@ pub fn traverse_singly<S: Simd>(
             &ray,
             limit,
             &mut stack,
+            &mut |_: &Node| {},
             #[inline(always)]
             |leaf, _| {
                 visitor.visit_single(simd, leaf, lane, packet);

@@ -27,7 +27,7 @@ mod triangle_block;
 
 pub use culling_packet::{CullingPacket, GROUPS};
 pub use leaf_visitor::LeafVisitor;
-pub use node::Bvh;
+pub use node::{Bvh, Node};
 pub use packet::{FEW, TraversalScratch};
 pub use packet_bounds::PacketBounds;
 pub use shaft::Shaft;

@@ -83,6 +83,11 @@ impl Node {
         self.planes.map(|plane| plane[place])
     }
 
+    /// Returns the number of boxes in use.
+    pub fn box_count(&self) -> u32 {
+        self.children.iter().filter(|&&child| child != Child::NONE).count() as u32
+    }
+
     /// Returns the box around all boxes in use.
     fn around(&self) -> Planes {
         let used = (0..WIDTH).filter(|&place| self.children[place] != Child::NONE);

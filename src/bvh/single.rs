@@ -18,13 +18,15 @@ pub const EMPTY_STACK: Stack = [(0.0, Child::NONE); STACK];
 
 impl<Leaf> Bvh<Leaf> {
     /// Calls `visit` with every leaf that the ray may meet at a t up to `limit`. `visit` gets the limit, and returns the
-    /// new one: lower after a hit, [`DONE`] to end the traversal. It must be `#[inline(always)]` if it uses lanes.
+    /// new one: lower after a hit, [`DONE`] to end the traversal. It must be `#[inline(always)]` if it uses lanes. `test`
+    /// is told of each node whose boxes are tested.
     #[inline]
     pub fn traverse<S: Simd>(
         &self,
         simd: S,
         ray: &CullingRay,
         limit: f32,
+        mut test: impl FnMut(&Node),
         mut visit: impl FnMut(&Leaf, f32) -> f32,
     ) {
         if !self.nodes.is_empty() {
@@ -35,6 +37,7 @@ impl<Leaf> Bvh<Leaf> {
                 ray,
                 limit,
                 &mut { EMPTY_STACK },
+                &mut test,
                 #[inline(always)]
                 |leaf, limit| visit(&self.leaves[leaf], limit),
             );
@@ -43,6 +46,7 @@ impl<Leaf> Bvh<Leaf> {
 }
 
 /// Traverses what is below `start`, and returns the last limit. `visit` gets the leaf's index.
+#[expect(clippy::too_many_arguments)]
 pub fn traverse_from<S: Simd>(
     simd: S,
     nodes: &[Node],
@@ -50,6 +54,7 @@ pub fn traverse_from<S: Simd>(
     ray: &CullingRay,
     limit: f32,
     stack: &mut Stack,
+    test: &mut impl FnMut(&Node),
     mut visit: impl FnMut(usize, f32) -> f32,
 ) -> f32 {
     vectorize!(simd, {
@@ -63,6 +68,7 @@ pub fn traverse_from<S: Simd>(
                 }
             } else {
                 let node = &nodes[current.index()];
+                test(node);
                 let (mut met, near) = lanes.intersect(simd, node, limit);
                 if met != 0 {
                     let first = met.trailing_zeros() as usize;
@@ -78,13 +84,22 @@ pub fn traverse_from<S: Simd>(
                         continue;
                     }
                     let met = met | 1 << first;
-                    limit =
-                        traverse_children(simd, nodes, node, met, &distances, ray, limit, &mut |leaf, limit| {
+                    limit = traverse_children(
+                        simd,
+                        nodes,
+                        node,
+                        met,
+                        &distances,
+                        ray,
+                        limit,
+                        test,
+                        &mut |leaf, limit| {
                             simd.vectorize(
                                 #[inline(always)]
                                 || visit(leaf, limit),
                             )
-                        });
+                        },
+                    );
                     if limit < 0.0 {
                         return limit;
                     }
@@ -123,6 +138,7 @@ fn traverse_children<S: Simd>(
     distances: &[f32; WIDTH],
     ray: &CullingRay,
     mut limit: f32,
+    test: &mut dyn FnMut(&Node),
     visit: &mut dyn FnMut(usize, f32) -> f32,
 ) -> f32 {
     while met != 0 && limit >= 0.0 {
@@ -130,7 +146,8 @@ fn traverse_children<S: Simd>(
         met &= met - 1;
         if distances[place] <= limit {
             let (start, stack) = (node.children[place], &mut { EMPTY_STACK });
-            limit = traverse_from(simd, nodes, start, ray, limit, stack, &mut *visit);
+            limit =
+                traverse_from(simd, nodes, start, ray, limit, stack, &mut |node: &Node| test(node), &mut *visit);
         }
     }
     limit

@@ -92,6 +92,11 @@ pub fn build_triangle_bvh(
 }
 
 impl TriangleBlock {
+    /// Returns the number of triangles.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
     fn new(space: &CullingSpace, indices: &[u32], corners: &impl Fn(u32) -> [Vector3; 3]) -> Self {
         let mut block = Self {
             corners: [[[0.0; WIDTH]; 3]; 3],

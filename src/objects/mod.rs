@@ -82,6 +82,16 @@ macro_rules! match_surface {
 pub(crate) use match_surface;
 
 impl Shape {
+    /// Returns the name of the shape's block in a scene file.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Sphere(_) | Self::ExtremeSphere(_) => "Sphere",
+            Self::Plane(_) => "Plane",
+            Self::Triangle(_) => "Triangle",
+            Self::Mesh(_) => "TriangleMesh",
+        }
+    }
+
     /// Returns the bounds in object space; `None` for an infinite shape.
     pub fn bounds(&self, meshes: &[Mesh]) -> Option<Aabb> {
         match_surface!(self,

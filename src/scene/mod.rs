@@ -13,11 +13,14 @@ mod obj;
 mod object_tree;
 mod places;
 mod queries;
+mod tally;
 
 pub use compile::{Compiled, compile};
 pub use geometry::{Geometry, build_mesh_tree};
 pub use obj::{MeshCounts, MeshFile, parse_mesh, triangle_lines};
 pub use object_tree::LOOP_OBJECTS;
+pub use places::{Place, Places};
+pub use tally::{ObjectCounts, TestCounts};
 
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;

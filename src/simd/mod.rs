@@ -94,23 +94,26 @@ impl InstructionSet {
     }
 
     /// Returns the one that every processor of the target has.
+    pub fn baseline() -> Self {
+        Self::Baseline(Self::baseline_token())
+    }
+
+    /// Returns the token of the [`baseline`](Self::baseline).
     #[cfg(target_arch = "x86_64")]
-    pub fn baseline() -> Self {
-        let sse2 = fearless_simd::Level::baseline().as_sse2();
-        Self::Baseline(sse2.expect("SSE2 is part of x86-64"))
+    pub fn baseline_token() -> Baseline {
+        fearless_simd::Level::baseline().as_sse2().expect("SSE2 is part of x86-64")
     }
 
-    /// Returns the one that every processor of the target has.
+    /// Returns the token of the [`baseline`](Self::baseline).
     #[cfg(target_arch = "aarch64")]
-    pub fn baseline() -> Self {
-        let neon = fearless_simd::Level::baseline().as_neon();
-        Self::Baseline(neon.expect("NEON is part of 64-bit Arm"))
+    pub fn baseline_token() -> Baseline {
+        fearless_simd::Level::baseline().as_neon().expect("NEON is part of 64-bit Arm")
     }
 
-    /// Returns the one that every processor of the target has.
+    /// Returns the token of the [`baseline`](Self::baseline).
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    pub fn baseline() -> Self {
-        Self::Baseline(fearless_simd::Fallback::new())
+    pub fn baseline_token() -> Baseline {
+        fearless_simd::Fallback::new()
     }
 
     /// Returns the instruction set of a name, if this processor has it. `scalar` is an older name of the baseline.

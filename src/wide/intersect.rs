@@ -169,11 +169,11 @@ impl<const ANY: bool> Query<'_, ANY> {
         for lane in lanes_in(mask) {
             let ray = PreparedRay::new(self.rays.get(lane));
             if ANY {
-                let is_hit = self.geometry.any_hit_of_object(simd, index, &ray, self.hits.t[lane]);
+                let is_hit = self.geometry.any_hit_of_object(simd, index, &ray, self.hits.t[lane], &());
                 self.take_any(u64::from(is_hit) << lane);
             } else {
                 let limit = self.hits.limit(lane, index);
-                if let Some(hit) = self.geometry.closest_hit_of_object(simd, index, &ray, limit) {
+                if let Some(hit) = self.geometry.closest_hit_of_object(simd, index, &ray, limit, &()) {
                     self.hits.object[lane] = index;
                     self.hits.set_surface(lane, hit);
                 }

@@ -64,8 +64,9 @@ fn mesh_agrees(geometry: &Geometry, rays: &[Ray]) -> Result<(), TestCaseError> {
     let mut scratch = Scratch::EMPTY;
     for set in instruction_sets() {
         for (number, ray) in rays.iter().enumerate() {
-            let closest = |t_max| with_simd!(set, simd => geometry.closest_hit_of_object(simd, 0, ray, t_max));
-            let any = |t_max| with_simd!(set, simd => geometry.any_hit_of_object(simd, 0, ray, t_max));
+            let closest =
+                |t_max| with_simd!(set, simd => geometry.closest_hit_of_object(simd, 0, ray, t_max, &()));
+            let any = |t_max| with_simd!(set, simd => geometry.any_hit_of_object(simd, 0, ray, t_max, &()));
             prop_assert_eq!(bits(&closest(T_MAX)), bits(&expected[number]), "{} {:?}", set, ray);
             for (limit, nearer, is_hit) in expected_within[number] {
                 prop_assert_eq!(bits(&closest(limit)), nearer, "{} {}", set, limit);
