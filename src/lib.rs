@@ -12,7 +12,7 @@
 //! 8. [`render`]: which rays, and what becomes of what they see;
 //! 9. [`film`]: bytes and files.
 //!
-//! [`measure`] computes errors and costs of pictures.
+//! [`inspect`] shows how single pixels get their colours. [`measure`] computes errors and costs of pictures.
 #![forbid(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]
@@ -20,6 +20,7 @@
 pub mod args;
 pub mod bvh;
 pub mod camera;
+pub mod cost;
 pub mod cube_map;
 pub mod error;
 pub mod film;
@@ -48,6 +49,7 @@ pub mod wide;
 mod write;
 
 use args::Request;
+use cost::Cost;
 use cube_map::CubeMap;
 use error::Error;
 use film::{BandWriter, PictureWriter};
@@ -180,6 +182,8 @@ fn render_since(
         total: Times::default(),
         left_out: plan.left_out.into_iter().chain(left_out).collect(),
         frame,
+        pixels,
+        cost,
         mesh_files,
         warnings,
         threads,

@@ -47,6 +47,10 @@ pub struct Options {
     pub simd: InstructionSet,
     /// Print the plan.
     pub explain: bool,
+    /// Places whose ray trees are shown.
+    pub pixels: Vec<PixelPlace>,
+    /// Picture of what each pixel costs.
+    pub cost: Option<PathBuf>,
     pub measure: MeasureOptions,
 }
 
@@ -60,7 +64,13 @@ impl Options {
     /// Returns all files to write.
     pub fn files(&self) -> impl Iterator<Item = &Path> + Clone {
         let MeasureOptions { error_map, report, convergence, .. } = &self.measure;
-        self.pictures().chain([error_map, report, convergence].into_iter().flatten().map(PathBuf::as_path))
+        self.pictures()
+            .chain([&self.cost, error_map, report, convergence].into_iter().flatten().map(PathBuf::as_path))
+    }
+
+    /// Returns whether colours are computed: for a picture, or to show how a pixel gets its colour and what it costs.
+    pub fn wants_colors(&self) -> bool {
+        self.color.is_some() || self.cost.is_some() || !self.pixels.is_empty()
     }
 
     /// Returns the number of samples for each pixel of the traced grid.

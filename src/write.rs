@@ -106,6 +106,9 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
             say(&format!("{}\n", measure::sentences(options, &report.convergence)));
         }
     }
+    if let (Some(path), Some(cost)) = (&options.cost, &report.cost) {
+        cost.write_picture(path)?;
+    }
     if let Some(path) = &measure.report {
         write_text(path, &report.json(options))?;
     }

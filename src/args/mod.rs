@@ -87,12 +87,15 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         max_memory: max_memory(typed)?,
         simd: instruction_set(typed)?,
         explain: typed.has("explain"),
+        pixels: pixels::places(typed)?,
+        cost: typed.png_path("cost")?,
         measure: measuring::options(typed)?,
     };
     if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
         return Err(usage_error(flag, "is about colours: give -output too"));
     }
-    if options.pictures().next().is_none() {
+    pixels::check(&options)?;
+    if options.pictures().next().is_none() && options.cost.is_none() && options.pixels.is_empty() {
         let message = "no picture is asked for: give -output, -depth or -normals";
         return Err(Error::Usage(message.into()));
     }

@@ -45,6 +45,12 @@ pub(super) const FLAGS: &[Flag] = &[
     ),
     ("robust", &[], "Right at every scale, not the starter's shortcuts (listed below)"),
     (
+        "pixel",
+        &["X", "Y"],
+        "Print how this pixel gets its colour; X from the left, Y from the top; can be repeated",
+    ),
+    ("cost", &["FILE"], "Picture of the rays, boxes and triangles that each pixel takes (PNG)"),
+    (
         "plain",
         &[],
         "Render by the plain definition, one ray at a time: slower, same bytes; the first thing to try when a \

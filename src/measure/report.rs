@@ -2,6 +2,8 @@
 
 use super::convergence::Point;
 use super::reference::TrueError;
+use crate::cost::Cost;
+use crate::inspect::InspectedPixel;
 use crate::options::Options;
 use crate::render::Frame;
 use crate::scene::MeshFile;
@@ -12,6 +14,10 @@ use std::time::Duration;
 #[derive(Debug)]
 pub struct Report {
     pub frame: Frame,
+    /// With `-pixel`.
+    pub pixels: Vec<InspectedPixel>,
+    /// With `-cost`.
+    pub cost: Option<Cost>,
     /// Warnings about the scene.
     pub warnings: Vec<String>,
     /// The files of the scene's meshes.

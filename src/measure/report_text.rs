@@ -2,6 +2,7 @@
 
 use super::reference::{RELATIVE_EPSILON, TrueError};
 use super::report::{Report, peak_memory};
+use crate::cost::Cost;
 use crate::options::Options;
 use crate::render::PREVIEW_MIRRORS;
 use crate::render::error_estimate::{ErrorEstimate, Interval};
@@ -81,6 +82,7 @@ impl Report {
         for reason in &self.left_out {
             let _ = writeln!(text, "left out     {reason}");
         }
+        text += &self.cost.as_ref().map(cost_lines).unwrap_or_default();
         let samples = &self.frame.samples;
         let (least, most) = (samples.least.unwrap_or(0), samples.most);
         let sampler = if options.jitter { options.measure.sampler.name() } else { "not random" };
@@ -127,6 +129,37 @@ fn mesh_json(file: &MeshFile) -> Value {
         "degenerate_faces_left_out": counts.degenerate,
         "polygons_cut": counts.polygons,
         "concave_polygons": counts.concave,
+    })
+}
+
+/// Returns the lines of the table about `-cost`.
+fn cost_lines(cost: &Cost) -> String {
+    let [rays, boxes, triangles] = cost.mean_and_most();
+    let exact = cost.tests.exact_triangles as f64 / cost.pixels.len() as f64;
+    let mut text = format!(
+        "cost         a pixel takes {:.2} rays (at most {}), {:.2} boxes ({}), {:.2} triangles ({}), {exact:.2} of them exactly\n",
+        rays.0, rays.1, boxes.0, boxes.1, triangles.0, triangles.1
+    );
+    for (kind, counts) in &cost.tests.objects {
+        let _ = writeln!(text, "             {kind}: {} tests, {} hits", counts.tested, counts.hit);
+    }
+    text
+}
+
+fn cost_json(cost: &Cost) -> Value {
+    let [rays, boxes, triangles] = cost.mean_and_most().map(|(mean, most)| json!({ "mean": mean, "most": most }));
+    let tests = &cost.tests;
+    let objects = tests
+        .objects
+        .iter()
+        .map(|(&kind, counts)| (kind.to_owned(), json!({ "tests": counts.tested, "hits": counts.hit })));
+    json!({
+        "rays": cost.rays.total(),
+        "boxes": tests.boxes,
+        "triangles": tests.triangles,
+        "exact_triangles": tests.exact_triangles,
+        "objects": Value::Object(objects.collect()),
+        "a_pixel": { "rays": rays, "boxes": boxes, "triangles": triangles },
     })
 }
 

@@ -6,8 +6,7 @@
 use super::comparison::{Comparison, SHOWN_REGIONS};
 use super::picture::{Differences, Picture};
 use super::regions::Region;
-
-type Rgb = [u8; 3];
+use crate::film::{CHARACTER_HEIGHT, Canvas, Rgb, false_color};
 
 /// Pixels between pictures, and around all.
 const MARGIN: usize = 10;
@@ -18,27 +17,17 @@ const DOUBLING: usize = 36;
 /// Pixels of the legend in all: eight doublings, the field, and half of the last number.
 const LEGEND_WIDTH: usize = 9 * DOUBLING + 3 * MARGIN;
 const LEGEND_HEIGHT: usize = 14;
-/// Sides of a glyph's dots in pixels, dots in a glyph's row and rows of a glyph.
-const DOT: usize = 2;
-const GLYPH_COLUMNS: usize = 3;
-const GLYPH_ROWS: usize = 5;
 
 const GROUND: Rgb = [40, 40, 40];
-const TEXT: Rgb = [230, 230, 230];
 const OUTLINE: Rgb = [120, 120, 120];
-/// Colours of the differences 1, 4, 16, 64 and 255 (the end of the last doubling).
-const RAMP: [[f64; 3]; 5] =
-    [[72.0, 60.0, 220.0], [170.0, 50.0, 200.0], [235.0, 75.0, 95.0], [255.0, 165.0, 30.0], [255.0, 250.0, 200.0]];
 
 /// Returns the colour of a difference in levels.
 fn color(level: u8) -> Rgb {
     if level == 0 {
         return [0; 3];
     }
-    let place = libm::log2(f64::from(level)) / 2.0;
-    let stop = (place as usize).min(RAMP.len() - 2);
-    let share = place - stop as f64;
-    [0, 1, 2].map(|channel| (RAMP[stop][channel] * (1.0 - share) + RAMP[stop + 1][channel] * share) as u8)
+    // Level 1 is at the first stop above black, and two doublings are a step.
+    false_color((1.0 + libm::log2(f64::from(level)) / 2.0) / 5.0)
 }
 
 /// Two pictures and their differences.
@@ -62,7 +51,7 @@ impl<'a> Panel<'a> {
     pub fn size(&self) -> (u32, u32) {
         let (width, height) = self.shown_size();
         let wide = 3 * width + 4 * MARGIN;
-        let high = height + LEGEND_HEIGHT + 2 * GLYPH_ROWS * DOT + 6 * MARGIN;
+        let high = height + LEGEND_HEIGHT + 2 * CHARACTER_HEIGHT + 6 * MARGIN;
         (wide.max(LEGEND_WIDTH + 2 * MARGIN) as u32, high as u32)
     }
 
@@ -74,8 +63,8 @@ impl<'a> Panel<'a> {
     /// Returns the picture: three bytes a pixel, rows from the top.
     pub fn drawn(&self) -> Vec<u8> {
         let (width, height) = (self.size().0 as usize, self.size().1 as usize);
-        let mut canvas = Canvas { width, bytes: GROUND.repeat(width * height) };
-        let top = 2 * MARGIN + GLYPH_ROWS * DOT;
+        let mut canvas = Canvas::new(width, height, GROUND);
+        let top = 2 * MARGIN + CHARACTER_HEIGHT;
         let (shown_width, shown_height) = self.shown_size();
         let left = [0, 1, 2].map(|index| MARGIN + index * (shown_width + MARGIN));
         ["A", "B", "A-B"].iter().zip(left).for_each(|(text, left)| canvas.write(text, left, MARGIN));
@@ -126,62 +115,6 @@ fn draw_legend(canvas: &mut Canvas, top: usize) {
     }
 }
 
-/// A picture to draw into: three bytes a pixel, rows from the top.
-struct Canvas {
-    width: usize,
-    bytes: Vec<u8>,
-}
-
-impl Canvas {
-    fn get(&self, x: usize, y: usize) -> Rgb {
-        let at = 3 * (y * self.width + x);
-        [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
-    }
-
-    fn set(&mut self, x: usize, y: usize, color: Rgb) {
-        let at = 3 * (y * self.width + x);
-        self.bytes[at..at + 3].copy_from_slice(&color);
-    }
-
-    fn fill(&mut self, left: usize, top: usize, width: usize, height: usize, color: Rgb) {
-        for y in top..top + height {
-            (left..left + width).for_each(|x| self.set(x, y, color));
-        }
-    }
-
-    /// Writes digits and the few other characters of [`glyph`], their upper left corner at `left`, `top`.
-    fn write(&mut self, text: &str, left: usize, top: usize) {
-        for (index, character) in text.chars().enumerate() {
-            let left = left + index * (GLYPH_COLUMNS + 1) * DOT;
-            for (row, dots) in glyph(character).into_iter().enumerate() {
-                for column in (0..GLYPH_COLUMNS).filter(|column| dots >> (GLYPH_COLUMNS - 1 - column) & 1 == 1) {
-                    self.fill(left + column * DOT, top + row * DOT, DOT, DOT, TEXT);
-                }
-            }
-        }
-    }
-}
-
-/// Returns the rows of a character from the top, a bit for each dot.
-fn glyph(character: char) -> [u8; GLYPH_ROWS] {
-    match character {
-        '0' => [0b111, 0b101, 0b101, 0b101, 0b111],
-        '1' => [0b010, 0b110, 0b010, 0b010, 0b111],
-        '2' => [0b111, 0b001, 0b111, 0b100, 0b111],
-        '3' => [0b111, 0b001, 0b111, 0b001, 0b111],
-        '4' => [0b101, 0b101, 0b111, 0b001, 0b001],
-        '5' => [0b111, 0b100, 0b111, 0b001, 0b111],
-        '6' => [0b111, 0b100, 0b111, 0b101, 0b111],
-        '7' => [0b111, 0b001, 0b001, 0b001, 0b001],
-        '8' => [0b111, 0b101, 0b111, 0b101, 0b111],
-        '9' => [0b111, 0b101, 0b111, 0b001, 0b111],
-        'A' => [0b010, 0b101, 0b111, 0b101, 0b101],
-        'B' => [0b110, 0b101, 0b110, 0b101, 0b110],
-        '-' => [0b000, 0b000, 0b111, 0b000, 0b000],
-        _ => [0; GLYPH_ROWS],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,7 +149,7 @@ mod tests {
         let canvas = Canvas { width: width as usize, bytes: panel.drawn() };
         assert_eq!(canvas.bytes.len(), 3 * (width * height) as usize);
         // Enlarged twice, so pixel 50, 30 begins at 100, 60.
-        let [left, top] = [MARGIN, 2 * MARGIN + GLYPH_ROWS * DOT];
+        let [left, top] = [MARGIN, 2 * MARGIN + CHARACTER_HEIGHT];
         let at = |index: usize, x: usize, y: usize| canvas.get(left + index * (200 + MARGIN) + x, top + y);
         assert_eq!([at(0, 0, 0), at(1, 101, 61), at(1, 199, 119)], [[7, 8, 9], [7, 8, 10], [7, 8, 9]]);
         assert_eq!([at(2, 100, 60), at(2, 101, 61), at(2, 0, 0)], [color(1), color(1), color(0)]);
