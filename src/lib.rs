@@ -220,6 +220,10 @@ fn render_pictures(
     } else {
         render::render_uniform(scene, plan, options, &progress)
     };
+    let background = options.depth.as_ref().and_then(|depth| depth.background);
+    if let (Some(background), Some(depths)) = (background, &mut frame.film.depth) {
+        *depths = render::depths_with_background(depths, background, scene, plan, options, &progress);
+    }
     Ok((frame, Vec::new()))
 }
 

@@ -93,7 +93,8 @@ impl Options {
     pub fn keeps_film(&self) -> bool {
         let measure = &self.measure;
         let is_compared = measure.reference.is_some() || measure.wants_error_map() || measure.keep_linear;
-        is_compared || measure.is_adaptive() || measure.convergence.is_some()
+        let has_background = self.depth.as_ref().is_some_and(|depth| depth.background.is_some());
+        is_compared || measure.is_adaptive() || measure.convergence.is_some() || has_background
     }
 
     /// Returns whether the colour picture's file holds numbers instead of bytes.
@@ -132,6 +133,10 @@ impl PixelPlace {
 pub struct DepthPicture {
     pub min: f64,
     pub max: f64,
+    /// Whether the range is found while rendering; until then it is 0 to 1.
+    pub is_auto: bool,
+    /// The colour where nothing is hit, each component from 0 to 1; `None`: black.
+    pub background: Option<Vector3>,
     pub path: PathBuf,
 }
 

@@ -70,10 +70,12 @@ pub fn time_limit(options: &Options, start: &Stopwatch) -> Deadline {
 /// [`Error::File`] for a file that cannot be made.
 pub fn begin_pictures(options: &Options) -> Result<Vec<PictureWriter>, Error> {
     let size = (options.width, options.height);
+    let is_colored = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
+    let depth = if is_colored { Plane::ColoredDepth } else { Plane::Depth };
     let pictures = [
         (Plane::Color, options.color.as_deref()),
         (Plane::Normals, options.normals.as_deref()),
-        (Plane::Depth, options.depth.as_ref().map(|depth| depth.path.as_path())),
+        (depth, options.depth.as_ref().map(|depth| depth.path.as_path())),
     ];
     let begin = |(plane, path): (Plane, Option<&Path>)| Some(PictureWriter::new(path?, plane, size));
     pictures.into_iter().filter_map(begin).collect()
@@ -121,6 +123,13 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
         if let (Some(error), None) = (&report.true_error, &measure.report) {
             say(&error.to_string());
         }
+    }
+    let is_auto = options.depth.as_ref().is_some_and(|depth| depth.is_auto);
+    if let (Some((min, max)), true) = (report.depth_range, is_auto && !options.quiet) {
+        say(&match report.frame.counts.camera_hits {
+            0 => "depths: nothing is hit\n".to_owned(),
+            _ => format!("depths: {min} to {max} (-depth {min} {max} gives the same picture)\n"),
+        });
     }
     let missed = measure.target_error.filter(|&target| !report.is_below(target));
     if let (Some(target), false) = (missed, options.quiet) {

@@ -3,14 +3,13 @@
 //! The flags are the course's long flags with one dash (`-input`); two dashes work too. `clap` splits the line into
 //! flags and values. The values are checked here, so that every message names flag, value and expectation.
 
+mod depth;
 mod measuring;
 mod pixels;
 mod typed;
 
 use crate::error::Error;
-use crate::options::{
-    CompareOptions, DepthPicture, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, Options, has_extension,
-};
+use crate::options::{CompareOptions, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, Options, has_extension};
 use crate::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -32,7 +31,7 @@ pub enum Request {
 /// # Errors
 /// [`Error::Usage`] for a wrong command line.
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
-    let argv: Vec<OsString> = argv.into_iter().map(with_two_dashes).collect();
+    let argv = depth::with_two_ends_of_auto(argv.into_iter().map(with_two_dashes).collect());
     if argv.is_empty() {
         return Ok(Request::PrintUsage(usage()));
     }
@@ -70,7 +69,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
     let options = Options {
         input,
         color: typed.path("output").map(must_be_a_picture).transpose()?,
-        depth: depth_picture(typed)?,
+        depth: depth::picture(typed)?,
         normals: typed.png_path("normals")?,
         width: side(0)?.unwrap_or(100),
         height: side(1)?.unwrap_or(100),
@@ -132,19 +131,6 @@ fn instruction_set(typed: &Typed) -> Result<InstructionSet, Error> {
         return Err(usage_error("simd", format!("expected one of {}, found '{name}'", names.join(", "))));
     }
     InstructionSet::named(&name).ok_or_else(|| usage_error("simd", format!("this processor has no {name}")))
-}
-
-fn depth_picture(typed: &Typed) -> Result<Option<DepthPicture>, Error> {
-    let expected = "two finite numbers and a file name";
-    let (min, max) = (
-        typed.number("depth", 0, expected, |n: &f64| n.is_finite())?,
-        typed.number("depth", 1, expected, |n: &f64| n.is_finite())?,
-    );
-    let (Some(min), Some(max), Some(path)) = (min, max, typed.values("depth").get(2).map(PathBuf::from)) else {
-        return Ok(None);
-    };
-    let path = must_be_png("depth", path)?;
-    Ok(Some(DepthPicture { min, max, path }))
 }
 
 /// Parses `-epsilon E|auto`; `-robust` means `auto` unless a number is given.

@@ -1,7 +1,7 @@
 //! Command lines and what they mean.
 
 use super::*;
-use crate::options::SamplerKind;
+use crate::options::{DepthPicture, SamplerKind};
 
 fn parsed(line: &str) -> Result<Request, Error> {
     parse(line.split_whitespace().map(OsString::from))
@@ -42,7 +42,10 @@ fn the_last_of_a_repeated_flag_counts() {
 #[test]
 fn depth_may_be_negative_and_inverted() {
     let options = render("-input s.txt -depth 1 -1.5e3 d.png");
-    assert_eq!(options.depth.unwrap(), DepthPicture { min: 1.0, max: -1500.0, path: "d.png".into() });
+    assert_eq!(
+        options.depth.unwrap(),
+        DepthPicture { min: 1.0, max: -1500.0, is_auto: false, background: None, path: "d.png".into() }
+    );
 }
 
 #[test]

@@ -25,7 +25,16 @@ pub(super) const FLAGS: &[Flag] = &[
     ("input", &["FILE"], "Scene file, name ends in .txt"),
     ("output", &["FILE"], "Colour picture: .png, or .pfm or .exr for numbers that are not rounded"),
     ("size", &["W", "H"], "Picture size in pixels [default: 100 100]"),
-    ("depth", &["MIN", "MAX", "FILE"], "Depth picture (PNG): black at distance MIN, white at MAX"),
+    (
+        "depth",
+        &["MIN", "MAX", "FILE"],
+        "Depth picture (PNG): black at distance MIN, white at MAX; or auto FILE: finds them",
+    ),
+    (
+        "depth-background",
+        &["R", "G", "B"],
+        "Colour of the depth picture where nothing is hit, 0 to 1 [default: black]",
+    ),
     ("normals", &["FILE"], "Picture of the surface normals (PNG): (n + 1)/2 per component"),
     ("bounces", &["N"], "Depth of mirror recursion [default: 0]"),
     ("shadows", &[], "Trace shadow rays"),

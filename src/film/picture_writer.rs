@@ -17,6 +17,8 @@ pub enum Plane {
     Normals,
     /// One byte a pixel.
     Depth,
+    /// Three bytes a pixel.
+    ColoredDepth,
 }
 
 /// A picture file that is being written. It appears under its name when it is finished.
@@ -79,7 +81,7 @@ impl PictureWriter {
         let bytes = match self.plane {
             Plane::Color => &band.color,
             Plane::Normals => &band.normals,
-            Plane::Depth => &band.depth,
+            Plane::Depth | Plane::ColoredDepth => &band.depth,
         };
         match (&mut self.format, bytes, &band.linear) {
             (Format::Png(encoder), Some(bytes), _) => encoder.write_rows(bytes, file),

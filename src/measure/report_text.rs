@@ -49,6 +49,9 @@ impl Report {
                 "target_error_reached": measure.target_error.map(|target| self.is_below(target)),
                 "time_limit_seconds": measure.time_limit,
             },
+            "depth_range": self.depth_range,
+            "cost": self.cost.as_ref().map(cost_json),
+            "pixels": self.pixels.iter().map(|pixel| pixel.json(options)).collect::<Vec<_>>(),
             "estimated_error": self.frame.estimate.as_ref().map(estimate_json),
             "true_error": self.true_error.as_ref().map(true_error_json),
         });

@@ -7,6 +7,7 @@
 mod adaptive;
 mod allocation;
 mod bands;
+mod depth;
 mod empty_tiles;
 pub mod error_estimate;
 mod error_map;
@@ -26,6 +27,7 @@ mod uniform;
 mod unseen;
 
 pub use adaptive::render as render_adaptive;
+pub use depth::{has_hit_between, with_background as depths_with_background, with_range as with_depth_range};
 pub use frame::{Frame, SampleCounts};
 pub use pixel::Pixel;
 pub use preview::MIRRORS as PREVIEW_MIRRORS;
@@ -43,6 +45,10 @@ use tiles::Tiles;
 /// over samples.
 pub fn bytes_needed(options: &Options) -> u64 {
     let planes = Planes::wanted_by(options);
+    // What shows that there is nothing, and what is made of it; counts, and three pictures of them.
+    let has_background = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
+    let of_background = if has_background { 4 } else { 0 };
+    let of_findings = of_background + if options.cost.is_some() { 3 * 4 + 3 * 3 } else { 0 };
     if !options.keeps_film() {
         let tiles = Tiles { width: options.width, height: options.height };
         let exr = if options.color_is_exr() { 12 * options.pixels() } else { 0 };

@@ -4,6 +4,8 @@ mod architecture;
 mod cli;
 mod compare;
 mod convergence;
+mod cost;
+mod depths;
 mod extending;
 mod faults;
 mod fuzz_seeds;

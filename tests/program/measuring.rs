@@ -60,7 +60,7 @@ const KEYS: &str = "a2:text scene:text width:number height:number threads:number
     phases.encode.wall_seconds:number phases.encode.cpu_seconds:number
     total.wall_seconds:number total.cpu_seconds:number
     rays.camera:number rays.shadow:number rays.mirror:number rays.total:number rays.shadow_left_out:number
-    rays.million_per_second:number peak_memory_bytes:number cube_map_faces_decoded:number left_out:list
+    rays.million_per_second:number peak_memory_bytes:number cube_map_faces_decoded:number left_out:list pixels:list depth_range:null cost:null
     samples.sampler:text samples.per_pixel_least:number samples.per_pixel_mean:number samples.per_pixel_most:number
     samples.passes:number samples.share_of_pixels_reached:number samples.target_error_levels:null samples.target_error_reached:null
     samples.time_limit_seconds:null
