@@ -24,6 +24,7 @@ pub mod cost;
 pub mod cube_map;
 pub mod error;
 pub mod film;
+pub mod hints;
 pub mod input;
 pub mod inspect;
 pub mod interrupt;
@@ -64,6 +65,7 @@ use render::Frame;
 use scene::{Compiled, MeshFile, Scene, compile};
 use scene_file::Description;
 use std::ffi::OsString;
+use std::io::{IsTerminal, stderr};
 use timing::{Deadline, Stopwatch, Times, timed};
 
 /// The output and the exit code of a run.
@@ -116,6 +118,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
         if !options.quiet {
             report.warnings.iter().for_each(|warning| say(&format!("warning: {warning}\n")));
         }
+        report.hints.iter().for_each(|hint| say(&format!("hint: {hint}\n")));
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
             report.mesh_files.iter().for_each(|file| say(&format!("mesh {file}\n")));
@@ -157,6 +160,8 @@ fn render_since(
     if options.explain {
         say(&plan.explain(options));
     }
+    let wants_hints = !options.quiet && stderr().is_terminal();
+    let mut hints = if wants_hints { hints::about_scene(&description, &plan, options) } else { Vec::new() };
     let (compiled, loading) = timed(|| {
         let compiled = compile(&description, &plan, &mut budget);
         drop(description);
@@ -165,12 +170,19 @@ fn render_since(
     let Compiled { scene, places, mesh_files, left_out, warnings, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
-    let (rendered, rendering) =
-        timed(|| render_pictures(&scene, &plan, options, limit, reference.as_ref(), pictures));
-    let (frame, convergence) = rendered?;
-    let unmet = mesh_files.iter().filter(|file| scene.geometry.is_unmet(file.mesh));
-    let unmet = unmet.map(|file| format!("the tree of {}: no ray meets its box", file.path.display()));
-    let left_out: Vec<String> = left_out.into_iter().chain(unmet).collect();
+    let (rendered, rendering) = timed(|| {
+        let options = render::with_depth_range(&scene, options);
+        let rendered = render_pictures(&scene, &plan, &options, limit, reference.as_ref(), pictures);
+        (options, rendered)
+    });
+    let (options, (frame, convergence)) = (rendered.0.as_ref(), rendered.1?);
+    if wants_hints {
+        hints.extend(hints::about_pictures(options, &scene, &frame.counts));
+    }
+    let inspect = |places| inspect(&scene, places, &mesh_files, &plan, options);
+    let pixels = places.as_ref().map(inspect).unwrap_or_default();
+    let cost = options.cost.is_some().then(|| Cost::of(&scene, &plan, options));
+    let left_out = with_unmet_meshes(left_out, &scene, &mesh_files);
     if options.explain {
         left_out.iter().for_each(|reason| say(&format!("left out: {reason}\n")));
     }
@@ -186,6 +198,8 @@ fn render_since(
         cost,
         mesh_files,
         warnings,
+        hints,
+        depth_range: options.depth.as_ref().map(|depth| (depth.min, depth.max)),
         threads,
         convergence,
     })

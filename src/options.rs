@@ -28,6 +28,8 @@ pub struct Options {
     pub height: u32,
     /// Depth of mirror recursion.
     pub bounces: u32,
+    /// Whether it was typed.
+    pub bounces_are_given: bool,
     pub shadows: bool,
     pub jitter: bool,
     pub filter: bool,

@@ -51,7 +51,8 @@ impl Plan {
         let color = leave_out(options.wants_colors(), "shading: no colour picture is asked for");
         let depth = leave_out(options.depth.is_some(), "depths: no depth picture is asked for");
         let normals = leave_out(options.normals.is_some(), "the normal picture: it is not asked for");
-        let materials = materials_in_use(description);
+        let materials: Vec<_> =
+            materials_in_use(description).into_iter().map(|material| &material.value).collect();
         let mut plan = Self {
             color,
             depth,
@@ -157,7 +158,8 @@ impl Plan {
     }
 }
 
-fn materials_in_use(description: &Description) -> Vec<&Material> {
+/// Returns the materials that any object has, in the order of the file.
+pub fn materials_in_use(description: &Description) -> Vec<&At<Material>> {
     let mut indices = BTreeSet::new();
     visit_leaves(&description.root, &mut |leaf| {
         indices.insert(leaf.material);

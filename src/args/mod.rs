@@ -74,6 +74,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         width: side(0)?.unwrap_or(100),
         height: side(1)?.unwrap_or(100),
         bounces: typed.number("bounces", 0, &bounces, |n| *n <= MAX_BOUNCES)?.unwrap_or(0),
+        bounces_are_given: typed.has("bounces"),
         shadows: typed.has("shadows"),
         jitter: measuring::jitter(typed),
         filter: typed.has("filter"),

@@ -20,6 +20,10 @@ pub struct Report {
     pub cost: Option<Cost>,
     /// Warnings about the scene.
     pub warnings: Vec<String>,
+    /// Hints about the scene and its pictures, for a terminal.
+    pub hints: Vec<String>,
+    /// The range of the picture of depths.
+    pub depth_range: Option<(f64, f64)>,
     /// The files of the scene's meshes.
     pub mesh_files: Vec<MeshFile>,
     /// What was left out and why, a sentence each.

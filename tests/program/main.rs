@@ -12,6 +12,7 @@ mod fuzz_seeds;
 mod gallery;
 #[cfg(unix)]
 mod grading;
+mod hints;
 mod libraries;
 mod measuring;
 mod mesh_names;
