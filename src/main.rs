@@ -1,7 +1,8 @@
 //! `a2`: passes the command line to the library, prints the result and returns the exit code.
 #![forbid(unsafe_code)]
 
-use std::io::Write;
+use a2::error::Error;
+use std::io::{IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
 /// The exit code where the result cannot be printed. 1 would mean that compared pictures are unlike.
@@ -10,15 +11,22 @@ const CANNOT_PRINT: u8 = 2;
 fn main() -> ExitCode {
     a2::interrupt::handle_signals();
     a2::interrupt::handle_panics();
-    let (message, exit_code) = match a2::run(std::env::args_os().skip(1)) {
+    let (error, exit_code) = match a2::run(std::env::args_os().skip(1)) {
         Ok(outcome) => match print(&outcome.text) {
             Ok(()) => return ExitCode::from(outcome.exit_code),
-            Err(error) => (format!("cannot write to standard output: {error}"), CANNOT_PRINT),
+            Err(error) => (Error::Refused(format!("cannot write to standard output: {error}")), CANNOT_PRINT),
         },
-        Err((error, exit_code)) => (error.to_string(), exit_code),
+        Err(refused) => refused,
     };
-    a2::output::say(&format!("error: {message}\n"));
+    a2::output::say(&format!("{}\n", error.report(shows_colors())));
     ExitCode::from(exit_code)
+}
+
+/// Returns whether errors are shown in colours: on a terminal that has them, unless `NO_COLOR` is set.
+fn shows_colors() -> bool {
+    let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+    std::io::stderr().is_terminal() && !is_set("NO_COLOR") && !is_dumb
 }
 
 fn print(text: &str) -> std::io::Result<()> {

@@ -3,6 +3,7 @@
 use super::convergence::Point;
 use super::reference::TrueError;
 use crate::cost::Cost;
+use crate::error::Remarks;
 use crate::inspect::InspectedPixel;
 use crate::options::Options;
 use crate::render::Frame;
@@ -18,8 +19,8 @@ pub struct Report {
     pub pixels: Vec<InspectedPixel>,
     /// With `-cost`.
     pub cost: Option<Cost>,
-    /// Warnings about the scene.
-    pub warnings: Vec<String>,
+    /// Warnings and hints about the scene.
+    pub remarks: Remarks,
     /// Hints about the scene and its pictures, for a terminal.
     pub hints: Vec<String>,
     /// The range of the picture of depths.

@@ -4,7 +4,7 @@
 //! There is one sentence for each kind of warning, which names the first object concerned.
 
 use super::obj::others;
-use crate::error::{SourceText, Span};
+use crate::error::{Remarks, SourceText, Span};
 use crate::objects::{Aabb, ExtremeSphere, Object, Shape};
 use crate::options::Epsilon;
 use crate::plan::Plan;
@@ -99,13 +99,14 @@ impl Hints {
     }
 
     /// Adds the warnings that matter for the pictures of `plan`.
-    pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, warnings: &mut Vec<String>) {
+    pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, remarks: &mut Remarks) {
+        let Remarks { warnings, hints } = remarks;
         warnings.extend(self.without_area.sentence(source, ""));
         warnings.extend(self.nearly_singular.sentence(source, ""));
         warnings
             .extend(self.too_thin.sentence(source, ": rays hit or miss it by rounding; two triangles are exact"));
         if !plan.robust && (plan.color || plan.normals) {
-            warnings.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
+            hints.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
         }
         if !plan.shadows && plan.bounces == 0 {
             return;

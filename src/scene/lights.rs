@@ -1,5 +1,6 @@
 //! The lights of a scene, kept within the range of numbers.
 
+use crate::error::Remarks;
 use crate::light::Light;
 use crate::material::Material;
 use crate::plan::Plan;
@@ -11,13 +12,13 @@ pub(super) fn lights(
     description: &Description,
     plan: &Plan,
     is_usual: bool,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> (Vec<Light>, Vector3) {
     let mut lights = Vec::new();
     let brightest = brightest(description);
     for (index, light) in description.lights.iter().enumerate() {
         if light.value.is_infinite() {
-            warnings.push(format!(
+            remarks.warnings.push(format!(
                 "{}: this PointLight has no falloff, so its light is infinite",
                 description.source.location(light.span)
             ));
@@ -26,14 +27,16 @@ pub(super) fn lights(
             let within_range = light.value.clone().within_range(is_usual, brightest);
             if within_range.color().max_abs() < light.value.color().max_abs() {
                 let place = description.source.location(light.span);
-                warnings.push(format!("{place}: this light is brighter than numbers go: {brightest:.1e} is used"));
+                remarks
+                    .warnings
+                    .push(format!("{place}: this light is brighter than numbers go: {brightest:.1e} is used"));
             }
             lights.push(within_range);
         }
     }
     if description.lights.is_empty() {
         let path = description.source.path.display();
-        warnings.push(format!("{path}: the scene has no lights: ambient light becomes 1 1 1"));
+        remarks.hints.push(format!("{path}: the scene has no lights: ambient light becomes 1 1 1"));
         return (lights, Vector3::splat(1.0));
     }
     (lights, description.background.ambient_light.map(|c| c.clamp(-brightest, brightest)))

@@ -120,10 +120,11 @@ impl Studio {
         };
         let request = request(&format!("-input s.txt -output c.png -normals n.png -depth 0 1 d.png {flags}"));
         let source = a2::error::SourceText { path, text: text.to_owned() };
-        let description = scene_file::parse(source).map_err(|error| error.to_string())?;
+        let description = scene_file::parse(source).whole().map_err(|error| error.to_string())?;
         let plan = Plan::new(&request, &description);
-        let Compiled { scene, warnings, .. } =
+        let Compiled { scene, remarks, .. } =
             compile(&description, &plan, &mut Budget::default()).map_err(|error| error.to_string())?;
+        let warnings = [remarks.warnings, remarks.hints].concat();
         Ok(Self { scene, plan, warnings, request })
     }
 

@@ -1,9 +1,8 @@
-//! [`Error`]: everything that can go wrong, with its message for the user and its exit code.
+//! Text files that errors quote, and mistakes in them.
 
+use super::Error;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
-use std::borrow::Cow;
 use std::fmt;
-use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -49,7 +48,7 @@ pub struct SourceError {
     source_text: Arc<SourceText>,
     span: Span,
     message: String,
-    note: Option<String>,
+    pub(super) note: Option<String>,
 }
 
 /// Largest number of bytes of a line that an error shows on each side of the mistake.
@@ -59,6 +58,11 @@ impl SourceError {
     /// Returns `file:line:column` of the mistake.
     pub fn location(&self) -> String {
         self.source_text.location(self.span)
+    }
+
+    /// Returns what sorts mistakes by file and place.
+    pub(super) fn place(&self) -> (&Path, usize) {
+        (&self.source_text.path, self.span.start)
     }
 
     /// Returns the part of the line to show, and the place of the mistake in it. Long lines are cut, so that a file
@@ -77,6 +81,15 @@ impl SourceError {
 
 impl fmt::Display for SourceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rendered = self.rendered(&Renderer::plain());
+        // `Error::report` begins so, too.
+        f.write_str(rendered.strip_prefix("error: ").unwrap_or(&rendered))
+    }
+}
+
+impl SourceError {
+    /// Returns the message with `error: ` and the line of the text, in colours where the renderer has them.
+    pub(super) fn rendered(&self, renderer: &Renderer) -> String {
         let title = format!("{}: {}", self.location(), self.message);
         let (line, mark) = self.quoted();
         let mark = mark.start.min(line.len())..mark.end.min(line.len());
@@ -86,93 +99,8 @@ impl fmt::Display for SourceError {
         if let Some(note) = &self.note {
             report = report.element(Level::HELP.message(note));
         }
-        let rendered = Renderer::plain().render(&[report]);
-        // The renderer begins with "error: ", which `main` prints.
-        f.write_str(rendered.strip_prefix("error: ").unwrap_or(&rendered))
+        renderer.render(&[report])
     }
-}
-
-/// Everything that can go wrong.
-#[derive(Debug)]
-pub enum Error {
-    /// A wrong command line.
-    Usage(String),
-    /// A mistake at a known place in a scene or mesh file.
-    Source(SourceError),
-    /// A file that could not be read or written, or that has the wrong content.
-    File { path: PathBuf, message: String },
-    /// Anything else that the program refuses.
-    Refused(String),
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Usage(message) => write!(f, "{message}\nhint: 'a2 -help' lists the flags"),
-            Self::Source(error) => error.fmt(f),
-            Self::File { path, message } => write!(f, "{}: {message}", path.display()),
-            Self::Refused(message) => f.write_str(message),
-        }
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl Error {
-    /// Makes an error about a whole file.
-    pub fn file(path: &Path, message: impl Into<String>) -> Self {
-        Self::File { path: path.to_owned(), message: message.into() }
-    }
-
-    /// Makes an error of the operating system, which refused to do `action` with a file.
-    pub fn io(path: &Path, action: &str, error: &io::Error) -> Self {
-        Self::file(path, format!("cannot {action}: {error}"))
-    }
-
-    /// Adds a hint below a source error; other errors stay as they are.
-    #[must_use]
-    pub fn with_note(mut self, text: impl Into<String>) -> Self {
-        if let Self::Source(error) = &mut self {
-            error.note = Some(text.into());
-        }
-        self
-    }
-
-    /// Returns the process exit code: 2 for a wrong command line, otherwise 1.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Usage(_) => 2,
-            _ => 1,
-        }
-    }
-}
-
-/// The longest word that a message shows whole, in characters. Names and numbers are shorter.
-const LONGEST_WORD: usize = 300;
-
-/// Returns `word` as a message shows it: a file may hold words of any length.
-pub fn cut_short(word: &str) -> Cow<'_, str> {
-    match word.char_indices().nth(LONGEST_WORD) {
-        None => Cow::Borrowed(word),
-        Some((end, _)) => Cow::Owned(format!("{}...", &word[..end])),
-    }
-}
-
-/// Returns the word of `known` that `word` is probably a typing mistake of.
-pub fn probably_meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // A longer word is no typing mistake, and the time for its distance grows with the length.
-    if word.chars().nth(LONGEST_WORD).is_some() {
-        return None;
-    }
-    known
-        .into_iter()
-        .map(|candidate| {
-            let distance = strsim::damerau_levenshtein(&word.to_lowercase(), &candidate.to_lowercase());
-            (distance, candidate)
-        })
-        .filter(|&(distance, candidate)| distance <= candidate.len() / 3)
-        .min_by_key(|&(distance, _)| distance)
-        .map(|(_, candidate)| candidate)
 }
 
 #[cfg(test)]
@@ -205,19 +133,5 @@ mod tests {
         let at = text.text.find('!').unwrap();
         let shown = text.error(Span { start: at, end: at + 3000 }, "here").to_string();
         assert!(shown.len() < 1000, "{}", shown.len());
-    }
-
-    #[test]
-    fn only_near_words_are_suggested() {
-        assert_eq!(probably_meant("raduis", ["radius", "center"]), Some("radius"));
-        assert_eq!(probably_meant("banana", ["radius", "center"]), None);
-    }
-
-    #[test]
-    fn words_of_any_length_end_soon() {
-        let word = "ä".repeat(50_000_000);
-        assert_eq!(probably_meant(&word, ["radius", "center"]), None);
-        assert_eq!(cut_short(&word), format!("{}...", "ä".repeat(LONGEST_WORD)));
-        assert_eq!(cut_short("short"), "short");
     }
 }
