@@ -21,12 +21,30 @@ pub fn read_whole(path: &Path, limit: u64) -> Result<Vec<u8>> {
     if metadata.len() <= limit {
         bytes.try_reserve_exact(metadata.len() as usize)?;
     }
-    file.take(limit + 1).read_to_end(&mut bytes)?;
+    read_up_to(limit, file, bytes)
+}
+
+/// Reads standard input, at most `limit` bytes.
+///
+/// # Errors
+/// As for [`read_whole`].
+pub fn read_standard_input(limit: u64) -> Result<Vec<u8>> {
+    read_up_to(limit.min(MAX_STREAM_BYTES), std::io::stdin().lock(), Vec::new())
+}
+
+/// Adds at most `limit` bytes to `bytes`.
+fn read_up_to(limit: u64, from: impl Read, mut bytes: Vec<u8>) -> Result<Vec<u8>> {
+    from.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         let message = format!("it holds more than {} GiB, which is the limit", limit >> 30);
         return Err(Error::new(ErrorKind::FileTooLarge, message));
     }
     Ok(bytes)
+}
+
+/// Returns whether a file's name is a dash, which stands for standard input or output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 #[cfg(test)]

@@ -13,23 +13,30 @@ pub struct Token<'a> {
 }
 
 /// Iterates over the tokens of a text.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Lexer<'a> {
     text: &'a str,
     at: usize,
+    /// The first white space outside of ASCII.
+    pub foreign_space: Option<usize>,
 }
 
 impl<'a> Lexer<'a> {
     pub fn new(text: &'a str) -> Self {
         // Some editors on Windows write a byte order mark first.
         let at = if text.starts_with('\u{feff}') { 3 } else { 0 };
-        Self { text, at }
+        Self { text, at, foreign_space: None }
     }
 
     /// Returns the place after the last character of the text.
     pub fn end(&self) -> Span {
         let end = self.text.trim_end().len();
         Span { start: end, end }
+    }
+
+    /// Goes back, so that this token comes next again.
+    pub fn put_back(&mut self, token: Token) {
+        self.at = token.span.start;
     }
 
     /// Reads a name in quotes, if one stands here: up to the next such quote in the same line. Its place includes the
@@ -52,10 +59,15 @@ impl<'a> Lexer<'a> {
                 self.at += 1;
             }
             let rest = &self.text[self.at..];
+            let is_foreign =
+                bytes.get(self.at).is_some_and(|&byte| byte >= 128) && rest.starts_with(char::is_whitespace);
+            if is_foreign {
+                self.foreign_space.get_or_insert(self.at);
+            }
             self.at += match bytes.get(self.at) {
                 Some(b'#') => rest.find('\n').unwrap_or(rest.len()),
                 Some(b'/') if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
-                Some(128..) if rest.starts_with(char::is_whitespace) => rest.len() - rest.trim_start().len(),
+                _ if is_foreign => rest.len() - rest.trim_start().len(),
                 _ => return,
             };
         }

@@ -4,9 +4,12 @@
 use crate::error::probably_meant;
 use std::path::{Path, PathBuf};
 
+/// Most names of a folder that a message lists.
+const MOST_NAMES: usize = 8;
+
 /// What there is for a name.
 #[derive(Debug, PartialEq)]
-pub(super) enum FilePath {
+pub enum FilePath {
     /// The file itself, or nothing that is like it: whoever reads it will see.
     AsWritten,
     /// A file whose name differs in upper and lower case or in slashes only, as it would be written.
@@ -15,8 +18,15 @@ pub(super) enum FilePath {
     Similar(String),
 }
 
+/// What a name is the name of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    File,
+    Folder,
+}
+
 /// Looks for the file `name` in `folder`.
-pub(super) fn find(folder: &Path, name: &str) -> FilePath {
+pub fn find(folder: &Path, name: &str) -> FilePath {
     match std::fs::metadata(folder.join(name)) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => respelt(folder, name),
         _ => FilePath::AsWritten,
@@ -46,6 +56,34 @@ fn respelt(folder: &Path, name: &str) -> FilePath {
         return FilePath::Similar(written(&found));
     }
     FilePath::Respelt(written(&found))
+}
+
+/// Says what there is in place of the file or folder `name` in `folder`, which is missing: one that may be meant, or
+/// those of its kind beside it.
+pub fn what_is_there(folder: &Path, name: &str, kind: Kind) -> String {
+    if let FilePath::Similar(similar) | FilePath::Respelt(similar) = find(folder, name) {
+        return format!("did you mean '{similar}'?");
+    }
+    let name = name.replace('\\', "/");
+    let (inner, name) = name.rsplit_once('/').unwrap_or(("", &name));
+    let (inner, name) = (folder.join(inner), Path::new(name));
+    let shown = if inner.as_os_str().is_empty() { "this folder".into() } else { format!("'{}'", written(&inner)) };
+    if !inner.as_os_str().is_empty() && !inner.is_dir() {
+        return format!("there is no folder {shown}");
+    }
+    let is_like = |other: &String| match kind {
+        Kind::File => Path::new(other).extension() == name.extension() && !inner.join(other).is_dir(),
+        Kind::Folder => inner.join(other).is_dir(),
+    };
+    let like: Vec<String> = names_in(&inner).into_iter().filter(is_like).collect();
+    let rest = like.len().saturating_sub(MOST_NAMES);
+    let others = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    match (like.is_empty(), kind, name.extension()) {
+        (true, Kind::Folder, _) => format!("{shown} holds no folder"),
+        (true, Kind::File, Some(extension)) => format!("{shown} holds no .{} file", extension.to_string_lossy()),
+        (true, Kind::File, None) => format!("{shown} holds no file without an extension"),
+        (false, ..) => format!("{shown} holds {}{others}", like[..like.len() - rest].join(", ")),
+    }
 }
 
 fn written(path: &Path) -> String {
