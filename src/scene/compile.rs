@@ -3,15 +3,16 @@
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
 use super::copies::{KnownFiles, remove_copies};
-use super::file_path::{self, FilePath};
 use super::hints::Hints;
 use super::lights::lights;
+use super::mistakes::with_other_mistakes;
 use super::obj::{self, MeshFile};
 use super::places::Places;
 use super::{Background, Geometry, LOOP_OBJECTS, Scene};
 use crate::camera::{Camera, CameraError};
 use crate::cube_map::CubeMap;
-use crate::error::{Error, SourceText, Span, cut_short};
+use crate::error::{Error, Remarks, SourceText, Span, counted, cut_short};
+use crate::file_path::{self, FilePath, Kind};
 use crate::input::read_whole;
 use crate::material::Material;
 use crate::memory::Budget;
@@ -20,6 +21,7 @@ use crate::plan::Plan;
 use crate::scene_file::{At, Description, Leaf, LeafShape, Node, TransformStep};
 use crate::timing::{Times, timed};
 use std::collections::HashMap;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vecmath::{Matrix4, Real, Vector3, is_unusual};
@@ -32,7 +34,7 @@ const MEMORY_FOR_A_BYTE: u64 = 4;
 /// Further bytes, if the file is not plain: 3.4 were measured.
 const MEMORY_FOR_AN_UNUSUAL_BYTE: u64 = 4;
 
-/// A scene, and warnings about it.
+/// A scene, and remarks about it.
 #[derive(Debug)]
 pub struct Compiled {
     pub scene: Scene,
@@ -42,7 +44,7 @@ pub struct Compiled {
     pub mesh_files: Vec<MeshFile>,
     /// What was left out and why, a sentence each.
     pub left_out: Vec<String>,
-    pub warnings: Vec<String>,
+    pub remarks: Remarks,
     /// The time it took to build trees.
     pub build: Times,
 }
@@ -50,14 +52,25 @@ pub struct Compiled {
 /// Loads and flattens the parts of a scene that `plan` needs.
 ///
 /// # Errors
-/// [`Error::Source`] for a mistake in the scene or in a mesh, or for a cube map that cannot be opened.
+/// [`Error::Source`] for a mistake in the scene or in a mesh, or for a cube map that cannot be opened; [`Error::Several`]
+/// for more.
 pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> Result<Compiled, Error> {
+    compile_as_far_as_right(description, plan, budget)
+        .map_err(|error| with_other_mistakes(vec![error], description))
+}
+
+/// Does the same, and stops at the first mistake.
+fn compile_as_far_as_right(
+    description: &Description,
+    plan: &Plan,
+    budget: &mut Budget,
+) -> Result<Compiled, Error> {
     let source = &description.source;
     let folder = source.path.parent().unwrap_or(Path::new(""));
-    let mut warnings = Vec::new();
+    let mut remarks = Remarks { hints: description.hints.clone(), ..Remarks::default() };
     let camera = camera(description)?;
     let cube_map = match &description.background.cube_map {
-        Some(name) if plan.cube_map => Some(cube_map(source, folder, name, &mut warnings)?),
+        Some(name) if plan.cube_map => Some(cube_map(source, folder, name, &mut remarks)?),
         _ => None,
     };
     let mut flattened = Flattened {
@@ -72,16 +85,16 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         mesh_files: Vec::new(),
         budget,
         hints: Hints::default(),
-        warnings,
+        remarks,
         left_out: Vec::new(),
         is_usual: !is_unusual(camera.center.max_abs()),
         eye: camera.center,
     };
     flattened.add(&description.root, None)?;
-    let Flattened { mut objects, places, meshes, mesh_files, hints, mut warnings, mut left_out, is_usual, .. } =
+    let Flattened { mut objects, places, meshes, mesh_files, hints, mut remarks, mut left_out, is_usual, .. } =
         flattened;
-    let (lights, ambient_light) = lights(description, plan, is_usual, &mut warnings);
-    hints.finish(plan, &objects, source, &mut warnings);
+    let (lights, ambient_light) = lights(description, plan, is_usual, &mut remarks);
+    hints.finish(plan, &objects, source, &mut remarks);
     if !meshes.is_empty() && !plan.shows_normals() {
         left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
     }
@@ -89,7 +102,10 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
     let looks_for_copies = objects.len() > LOOP_OBJECTS && !plan.places;
     let copies = if looks_for_copies { remove_copies(&mut objects) } else { 0 };
     if copies > 0 {
-        left_out.push(format!("{copies} object(s): an equal one at the same place comes first in the file"));
+        left_out.push(format!(
+            "{}: an equal one at the same place comes first in the file",
+            counted(copies, "object")
+        ));
     }
     // Shadow and mirror rays may go anywhere, and the trees that only these meet are built when they do.
     let is_in_picture = |object: &Object| object.bounds.as_ref().is_none_or(|bounds| camera.may_see(bounds));
@@ -105,40 +121,46 @@ pub fn compile(description: &Description, plan: &Plan, budget: &mut Budget) -> R
         materials,
         geometry,
     };
-    Ok(Compiled { scene, places, mesh_files, left_out, warnings, build })
+    Ok(Compiled { scene, places, mesh_files, left_out, remarks, build })
 }
 
-fn cube_map(
+pub(super) fn cube_map(
     source: &Arc<SourceText>,
     folder: &Path,
     name: &At<String>,
-    warnings: &mut Vec<String>,
+    remarks: &mut Remarks,
 ) -> Result<CubeMap, Error> {
-    let (path, similar) = match file_path::find(folder, &name.value) {
-        FilePath::AsWritten => (folder.join(&name.value), None),
-        FilePath::Similar(similar) => (folder.join(&name.value), Some(similar)),
-        FilePath::Respelt(spelling) => {
-            warnings.push(respelt(source, name, &spelling));
-            (folder.join(spelling), None)
+    let mut path = folder.join(&name.value);
+    if let FilePath::Respelt(spelling) = file_path::find(folder, &name.value) {
+        remarks.hints.push(respelt(source, name, &spelling));
+        path = folder.join(spelling);
+    }
+    CubeMap::open(&path).map_err(|message| {
+        let error = source.error(name.span, message);
+        if path.exists() {
+            error
+        } else {
+            error.with_note(file_path::what_is_there(folder, &name.value, Kind::Folder))
         }
-    };
-    CubeMap::open(&path).map_err(|message| suggesting(source.error(name.span, message), similar.as_deref()))
+    })
 }
 
-/// Adds to an error the name of a file or folder that may be meant.
-fn suggesting(error: Error, similar: Option<&str>) -> Error {
-    match similar {
-        Some(name) => error.with_note(format!("did you mean '{name}'?")),
-        None => error,
+/// Makes the error for a mesh that cannot be read.
+pub(super) fn unreadable(source: &Arc<SourceText>, folder: &Path, name: &At<String>, error: &io::Error) -> Error {
+    let path = folder.join(&name.value).display().to_string();
+    let refusal = source.error(name.span, format!("cannot read the mesh '{}': {error}", cut_short(&path)));
+    match error.kind() {
+        ErrorKind::NotFound => refusal.with_note(file_path::what_is_there(folder, &name.value, Kind::File)),
+        _ => refusal,
     }
 }
 
-/// Returns the warning for a file or folder that is found under another spelling.
+/// Returns the hint for a file or folder that is found under another spelling.
 fn respelt(source: &SourceText, name: &At<String>, spelling: &str) -> String {
     format!("{}: there is no '{}': '{spelling}' is read", source.location(name.span), name.value)
 }
 
-fn camera(description: &Description) -> Result<Camera, Error> {
+pub(super) fn camera(description: &Description) -> Result<Camera, Error> {
     let block = &description.camera;
     let angle_radians = block.angle_degrees.value.to_radians();
     let camera = Camera::new(block.center.value, block.direction.value, block.up.value, angle_radians);
@@ -168,7 +190,7 @@ struct Flattened<'a> {
     known_files: KnownFiles,
     mesh_files: Vec<MeshFile>,
     budget: &'a mut Budget,
-    warnings: Vec<String>,
+    remarks: Remarks,
     left_out: Vec<String>,
     /// Whether no size in the scene [is unusual](is_unusual).
     is_usual: bool,
@@ -182,28 +204,11 @@ impl Flattened<'_> {
             Node::Group(members) => members.iter().try_for_each(|member| self.add(member, world_from_parent)),
             Node::Transform { steps, child } => {
                 let parent = world_from_parent.copied().unwrap_or(Matrix4::IDENTITY);
-                let world_from_object = parent * self.composed(steps)?;
+                let world_from_object = parent * composed(self.source, steps)?;
                 self.add(child, Some(&world_from_object))
             }
             Node::Leaf(leaf) => self.add_leaf(leaf, world_from_parent),
         }
-    }
-
-    /// Multiplies the steps of a transform. A step multiplies from the right, so the first one is applied last; a
-    /// `Matrix4f` multiplies from the left, as in the starter.
-    fn composed(&self, steps: &[At<TransformStep>]) -> Result<Matrix4, Error> {
-        let mut product = Matrix4::IDENTITY;
-        for step in steps {
-            let matrix = step_matrix(&step.value).map_err(|message| self.source.error(step.span, message))?;
-            if matrix.affine_inverse().is_err() {
-                return Err(self.source.error(step.span, no_inverse("this transformation", &matrix)));
-            }
-            product = match step.value {
-                TransformStep::Matrix4f(_) => matrix * product,
-                _ => product * matrix,
-            };
-        }
-        Ok(product)
     }
 
     fn add_leaf(&mut self, leaf: &Leaf, world_from_object: Option<&Matrix4>) -> Result<(), Error> {
@@ -250,14 +255,13 @@ impl Flattened<'_> {
             return Ok(known);
         }
         let index = match file_path::find(self.folder, &obj_file.value) {
-            FilePath::AsWritten => self.load(&path, obj_file.span, None)?,
-            FilePath::Similar(name) => self.load(&path, obj_file.span, Some(&name))?,
+            FilePath::AsWritten | FilePath::Similar(_) => self.load(&path, obj_file)?,
             FilePath::Respelt(name) => {
-                self.warnings.push(respelt(self.source, obj_file, &name));
+                self.remarks.hints.push(respelt(self.source, obj_file, &name));
                 let path = self.folder.join(&name);
                 match self.files.get(&path) {
                     Some(&known) => known,
-                    None => self.load(&path, obj_file.span, None)?,
+                    None => self.load(&path, obj_file)?,
                 }
             }
         };
@@ -269,16 +273,13 @@ impl Flattened<'_> {
         self.budget.add_mesh(bytes).map_err(|error| self.source.error(mesh, error.to_string()))
     }
 
-    /// Reads a mesh file. `similar` is the name of another file that may be meant if there is none.
-    fn load(&mut self, path: &Path, span: Span, similar: Option<&str>) -> Result<u32, Error> {
+    /// Reads the mesh file at `path`, which the scene calls `name`.
+    fn load(&mut self, path: &Path, name: &At<String>) -> Result<u32, Error> {
         if let Ok(metadata) = path.metadata() {
-            self.reserve(MEMORY_FOR_A_BYTE * metadata.len(), span)?;
+            self.reserve(MEMORY_FOR_A_BYTE * metadata.len(), name.span)?;
         }
-        let bytes = read_whole(path, MAX_MESH_BYTES).map_err(|error| {
-            let name = path.display().to_string();
-            let message = format!("cannot read the mesh '{}': {error}", cut_short(&name));
-            suggesting(self.source.error(span, message), similar)
-        })?;
+        let bytes = read_whole(path, MAX_MESH_BYTES)
+            .map_err(|error| unreadable(self.source, self.folder, name, &error))?;
         let index = self.meshes.len() as u32;
         if let Some(mesh) = self.known_files.find_or_add(path, &bytes, index) {
             self.budget.take_back_mesh(MEMORY_FOR_A_BYTE * bytes.len() as u64);
@@ -293,16 +294,33 @@ impl Flattened<'_> {
         let file = match obj::parse_plain_mesh(path, &bytes) {
             Some(file) => file,
             None => {
-                self.reserve(MEMORY_FOR_AN_UNUSUAL_BYTE * bytes.len() as u64, span)?;
+                self.reserve(MEMORY_FOR_AN_UNUSUAL_BYTE * bytes.len() as u64, name.span)?;
                 obj::parse_any_mesh(path, &bytes)?
             }
         };
         self.meshes.push(if self.plan.shows_normals() { file.mesh.with_normals() } else { file.mesh });
-        self.warnings.extend(file.warnings);
+        self.remarks.warnings.extend(file.warnings);
         self.mesh_files.push(MeshFile { path: path.to_owned(), mesh: index, counts: file.counts });
         self.files.insert(path.to_owned(), index);
         Ok(index)
     }
+}
+
+/// Multiplies the steps of a transform. A step multiplies from the right, so the first one is applied last; a
+/// `Matrix4f` multiplies from the left, as in the starter.
+pub(super) fn composed(source: &Arc<SourceText>, steps: &[At<TransformStep>]) -> Result<Matrix4, Error> {
+    let mut product = Matrix4::IDENTITY;
+    for step in steps {
+        let matrix = step_matrix(&step.value).map_err(|message| source.error(step.span, message))?;
+        if matrix.affine_inverse().is_err() {
+            return Err(source.error(step.span, no_inverse("this transformation", &matrix)));
+        }
+        product = match step.value {
+            TransformStep::Matrix4f(_) => matrix * product,
+            _ => product * matrix,
+        };
+    }
+    Ok(product)
 }
 
 /// Returns the message for a matrix without inverse.

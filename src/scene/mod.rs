@@ -5,10 +5,10 @@
 
 mod compile;
 mod copies;
-mod file_path;
 mod geometry;
 mod hints;
 mod lights;
+mod mistakes;
 mod obj;
 mod object_tree;
 mod places;
@@ -17,6 +17,7 @@ mod tally;
 
 pub use compile::{Compiled, compile};
 pub use geometry::{Geometry, build_mesh_tree};
+pub use mistakes::without_mistakes;
 pub use obj::{MeshCounts, MeshFile, parse_mesh, triangle_lines};
 pub use object_tree::LOOP_OBJECTS;
 pub use places::{Place, Places};

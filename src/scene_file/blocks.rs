@@ -3,6 +3,7 @@
 use super::description::{At, BackgroundBlock, CameraBlock};
 use super::fields::{Count, Fields, Key, Occurs};
 use super::lexer::Token;
+use super::words::MATERIAL_NAMES;
 use crate::error::Error;
 use crate::material::Material;
 use vecmath::{Real, Vector3};
@@ -12,12 +13,8 @@ pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Cam
     const KEYS: &[Key] =
         &[("center", Occurs::Once), ("direction", Occurs::Once), ("up", Occurs::Once), ("angle", Occurs::Once)];
     let at = |value, span| At { value, span };
-    let mut camera = CameraBlock {
-        center: at(Vector3::ZERO, name.span),
-        direction: at(Vector3::ZERO, name.span),
-        up: at(Vector3::ZERO, name.span),
-        angle_degrees: At { value: 0.0, span: name.span },
-    };
+    let mistakes = fields.mistakes.len();
+    let mut camera = CameraBlock::default();
     fields.block(name, KEYS, |fields, key, span| {
         match key {
             "center" => camera.center = at(fields.vector3(key)?, span),
@@ -27,13 +24,14 @@ pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Cam
         }
         Ok(())
     })?;
-    Ok(camera)
+    Ok(if fields.mistakes.len() == mistakes { camera } else { CameraBlock::default() })
 }
 
 /// Parses `Background { color r g b  ambientLight r g b  cubeMap folder }`, all optional.
 pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<BackgroundBlock, Error> {
     const KEYS: &[Key] =
         &[("color", Occurs::AtMostOnce), ("ambientLight", Occurs::AtMostOnce), ("cubeMap", Occurs::AtMostOnce)];
+    let mistakes = fields.mistakes.len();
     let mut background = BackgroundBlock::default();
     fields.block(name, KEYS, |fields, key, _| {
         match key {
@@ -43,14 +41,21 @@ pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result
         }
         Ok(())
     })?;
+    if fields.mistakes.len() > mistakes {
+        // It may be a part of the name only.
+        background.cube_map = None;
+    }
     Ok(background)
 }
 
 /// Parses `Materials { numMaterials n  (Material { } | PhongMaterial { }) ... }`.
 pub(super) fn materials<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<At<Material>>, Error> {
-    const KEYS: &[Key] =
-        &[("numMaterials", Occurs::Once), ("Material", Occurs::AnyNumber), ("PhongMaterial", Occurs::AnyNumber)];
-    let mut count = Count::default();
+    const KEYS: &[Key] = &[
+        ("numMaterials", Occurs::Once),
+        (MATERIAL_NAMES[0], Occurs::AnyNumber),
+        (MATERIAL_NAMES[1], Occurs::AnyNumber),
+    ];
+    let mut count = Count::new(fields);
     let mut materials = Vec::new();
     fields.block(name, KEYS, |fields, key, span| {
         match key {

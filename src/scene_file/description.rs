@@ -27,6 +27,8 @@ pub struct Description {
     pub materials: Vec<At<Material>>,
     /// The tree of objects.
     pub root: Node,
+    /// What may surprise in the text, a sentence each.
+    pub hints: Vec<String>,
 }
 
 /// `PerspectiveCamera { center direction up angle }`
@@ -81,6 +83,21 @@ pub struct Leaf {
 impl Default for BackgroundBlock {
     fn default() -> Self {
         Self { color: Vector3::splat(0.5), ambient_light: Vector3::ZERO, cube_map: None }
+    }
+}
+
+/// A camera for scenes whose own one is not known.
+impl Default for CameraBlock {
+    fn default() -> Self {
+        fn at<T>(value: T) -> At<T> {
+            At { value, span: Span::default() }
+        }
+        Self {
+            center: at(Vector3::ZERO),
+            direction: at(Vector3::new(0.0, 0.0, -1.0)),
+            up: at(Vector3::new(0.0, 1.0, 0.0)),
+            angle_degrees: at(30.0),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::description::At;
 use super::lexer::{Lexer, Token, is_quote};
-use crate::error::{Error, SourceText, Span, cut_short, probably_meant};
+use crate::error::{Error, SourceText, Span, counted, cut_short};
 use std::sync::Arc;
 use vecmath::{Real, Vector3};
 
@@ -17,48 +17,30 @@ pub(super) enum Occurs {
 /// A key of a block.
 pub(super) type Key = (&'static str, Occurs);
 
-/// Words of related formats (later versions of the course, other courses). They get an error message of their own.
-const FOREIGN_WORDS: &[&str] = &[
-    "OrthographicCamera",
-    "OrthogonalCamera",
-    "SpotLight",
-    "AreaLight",
-    "AmbientLight",
-    "refractionIndex",
-    "indexOfRefraction",
-    "transparentColor",
-    "reflectiveColor",
-    "exponent",
-    "texture",
-    "Checkerboard",
-    "Noise",
-    "Marble",
-    "Wood",
-    "Glass",
-    "Cone",
-    "Cylinder",
-    "Torus",
-    "Cube",
-    "Box",
-    "SimpleCamera",
-    "fov",
-    "emissionColor",
-];
-
-/// The longest name in bytes that a hint shows.
-const LONGEST_NAME: usize = 200;
-
 /// Reads tokens and values.
 pub(super) struct Fields<'a> {
     pub source: &'a Arc<SourceText>,
     pub lexer: Lexer<'a>,
     /// The place of the last name of a file or folder.
-    last_name: Span,
+    pub last_name: Span,
+    /// The names of the blocks that are open, the outermost first.
+    pub open: Vec<Token<'a>>,
+    /// Mistakes after which parsing went on.
+    pub mistakes: Vec<Error>,
+    /// Whether nothing can be said about the text behind the last mistake.
+    pub is_lost: bool,
 }
 
 impl<'a> Fields<'a> {
     pub fn new(source: &'a Arc<SourceText>) -> Self {
-        Self { source, lexer: Lexer::new(&source.text), last_name: Span::default() }
+        Self {
+            source,
+            lexer: Lexer::new(&source.text),
+            last_name: Span::default(),
+            open: Vec::new(),
+            mistakes: Vec::new(),
+            is_lost: false,
+        }
     }
 
     pub fn error(&self, span: Span, message: impl Into<String>) -> Error {
@@ -72,27 +54,70 @@ impl<'a> Fields<'a> {
     /// Returns the next token, or an error that says what was expected instead of the end of the file. `expected` is
     /// called only for the error, because formatting a text for every token would take longer than parsing.
     pub fn next(&mut self, expected: impl FnOnce(&Self) -> String) -> Result<Token<'a>, Error> {
-        self.lexer.next().ok_or_else(|| {
-            let end = self.lexer.end();
-            self.error(end, format!("expected {}, found the end of the file", expected(self)))
-        })
+        match self.lexer.next() {
+            Some(token) => Ok(token),
+            None => {
+                let expected = expected(self);
+                Err(self.end_of_file(&expected))
+            }
+        }
     }
 
-    pub fn open_brace(&mut self, block: &str) -> Result<(), Error> {
-        let token = self.next(|_| format!("'{{' after '{block}'"))?;
+    /// Reads the brace that opens a block. Where there is none, parsing goes on as if it stood there.
+    pub fn open_brace(&mut self, block: Token<'a>) -> Result<(), Error> {
+        let token = self.next(|_| format!("'{{' after '{}'", block.text))?;
+        self.open.push(block);
         if token.text == "{" {
             return Ok(());
         }
-        let message = format!("expected '{{' after '{block}', found '{}'", cut_short(token.text));
-        Err(self.error(token.span, message))
+        let error = self.mistyped(token).unwrap_or_else(|| {
+            let message = format!("expected '{{' after '{}', found '{}'", block.text, cut_short(token.text));
+            self.error(token.span, message)
+        });
+        if token.text.contains(char::is_alphanumeric) || token.text == "}" {
+            self.lexer.put_back(token);
+        }
+        self.note(error)
+    }
+
+    /// Leaves the innermost block.
+    pub fn close(&mut self) {
+        self.open.pop();
+    }
+
+    /// Returns the next token of the innermost block.
+    pub fn next_in_block(&mut self) -> Result<Token<'a>, Error> {
+        self.next(|fields| {
+            let block = fields.open.last().map_or(String::new(), |block| fields.named(*block));
+            format!("'}}' to end {block}")
+        })
+    }
+
+    /// Returns a block as messages name it.
+    fn named(&self, block: Token) -> String {
+        format!("the '{}' of line {}", block.text, self.line(block.span))
+    }
+
+    /// Makes the error for a file that ends too soon.
+    fn end_of_file(&mut self, expected: &str) -> Error {
+        self.is_lost = true;
+        let error = self.error(self.lexer.end(), format!("expected {expected}, found the end of the file"));
+        match self.open.as_slice() {
+            [] | [_] => error,
+            open => {
+                let open: Vec<String> = open.iter().map(|block| self.named(*block)).collect();
+                error.with_note(format!("these blocks have no '}}': {}", open.join(", ")))
+            }
+        }
     }
 
     /// Reads a word as the value of `key`. A brace is an error.
     pub fn word(&mut self, key: &str, expected: &str) -> Result<Token<'a>, Error> {
         let token = self.next(|_| format!("{expected} for '{key}'"))?;
-        if matches!(token.text, "{" | "}") {
-            let message = format!("expected {expected} for '{key}', found '{}'", cut_short(token.text));
-            return Err(self.error(token.span, message));
+        if matches!(token.text, "{" | "}") || token.text.chars().all(|c| matches!(c, '=' | ':')) {
+            self.lexer.put_back(token);
+            let message = format!("expected {expected} for '{key}', found '{}'", token.text);
+            return Err(self.mistyped(token).unwrap_or_else(|| self.error(token.span, message)));
         }
         Ok(token)
     }
@@ -100,28 +125,24 @@ impl<'a> Fields<'a> {
     /// Reads a finite decimal number. Unlike the starter's `scanf`, it refuses `nan`, `inf` and hexadecimal numbers,
     /// and numbers too large for an `f64`.
     pub fn number(&mut self, key: &str) -> Result<f64, Error> {
-        let token = self.word(key, "a number")?;
-        let starts_like_a_number =
-            token.text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'));
-        match token.text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) if starts_like_a_number && token.text.contains(|c: char| c.is_ascii_digit()) => {
-                Err(self.error(token.span, format!("the number for '{key}' is too large (at most 1.79e308)")))
-            }
-            Ok(_) => {
-                let message = format!("expected a finite number for '{key}', found '{}'", cut_short(token.text));
-                Err(self.error(token.span, message))
-            }
-            Err(_) => {
-                let message = format!("expected a number for '{key}', found '{}'", cut_short(token.text));
-                Err(self.error(token.span, message))
-            }
+        self.numbers::<1>(key).map(|[number]| number)
+    }
+
+    /// Reads as many such numbers.
+    pub fn numbers<const N: usize>(&mut self, key: &str) -> Result<[f64; N], Error> {
+        let mut numbers = [0.0; N];
+        for (index, number) in numbers.iter_mut().enumerate() {
+            let token = self.next(|_| format!("a number for '{key}'"))?;
+            *number = match token.text.parse() {
+                Ok(value) if f64::is_finite(value) => value,
+                _ => return Err(self.no_number(token, key, index, N)),
+            };
         }
+        Ok(numbers)
     }
 
     pub fn vector3(&mut self, key: &str) -> Result<Vector3, Error> {
-        let mut component = || self.number(key).map(|number| number as Real);
-        Ok(Vector3::new(component()?, component()?, component()?))
+        self.numbers(key).map(|numbers| Vector3::from(numbers.map(|number| number as Real)))
     }
 
     /// Reads the name of a file or folder: a word, or anything in quotes in one line.
@@ -148,63 +169,55 @@ impl<'a> Fields<'a> {
         match token.text.parse::<u32>() {
             Ok(value) if value <= i32::MAX as u32 => Ok(value),
             _ => {
-                let message = format!(
-                    "expected a whole number from 0 to 2147483647 for '{key}', found '{}'",
-                    cut_short(token.text)
-                );
-                Err(self.error(token.span, message))
+                self.lexer.put_back(token);
+                let found = cut_short(token.text);
+                let message = format!("expected a whole number from 0 to 2147483647 for '{key}', found '{found}'");
+                Err(self.mistyped(token).unwrap_or_else(|| self.error(token.span, message)))
             }
         }
     }
 
-    /// Reads `{ key value ... }`; calls `read` after each key to read its value.
+    /// Reads `{ key value ... }`; calls `read` after each key to read its value. Mistakes in it are noted.
     ///
     /// # Errors
-    /// [`Error::Source`] for an unknown, repeated or missing key, and the errors of `read`.
+    /// [`Error::Source`] for a mistake after which nothing can be said about the rest.
     pub fn block(
         &mut self,
         name: Token<'a>,
         keys: &[Key],
         mut read: impl FnMut(&mut Self, &'static str, Span) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        self.open_brace(name.text)?;
+        let mistakes = self.mistakes.len();
+        self.open_brace(name)?;
         let mut seen: Vec<(&str, Span)> = Vec::new();
         loop {
-            let token =
-                self.next(|fields| format!("'}}' to end '{}' of line {}", name.text, fields.line(name.span)))?;
+            let token = self.next_in_block()?;
             if token.text == "}" {
                 break;
             }
             let Some(&(key, occurs)) = keys.iter().find(|(key, _)| *key == token.text) else {
-                let error = self.unknown_word(token, &format!("'{}'", name.text), keys.iter().map(|key| key.0));
-                return Err(match self.split_name(token) {
-                    Some(whole) => error.with_note(format!("a name with spaces stands in quotes: \"{whole}\"")),
-                    None => error,
-                });
+                if self.ends_at_unknown_word(token, keys)? {
+                    break;
+                }
+                continue;
             };
-            if occurs != Occurs::AnyNumber {
-                self.refuse_repetition(&mut seen, key, token.span)?;
+            let is_first = match occurs {
+                Occurs::AnyNumber => Ok(()),
+                Occurs::Once | Occurs::AtMostOnce => self.refuse_repetition(&mut seen, key, token.span),
+            };
+            if let Err(error) = is_first.and_then(|()| read(self, key, token.span)) {
+                self.go_on_after(error, "", &|word| is_key(keys, word))?;
             }
-            read(self, key, token.span)?;
         }
+        self.close();
         let missing = |key: &&Key| key.1 == Occurs::Once && !seen.iter().any(|(name, _)| *name == key.0);
         match keys.iter().find(missing) {
-            Some((key, _)) => Err(self.error(name.span, format!("this '{}' has no '{key}'", name.text))),
-            None => Ok(()),
+            // What is missing may be what is mistyped.
+            Some((key, _)) if self.mistakes.len() == mistakes => {
+                self.note(self.error(name.span, format!("this '{}' has no '{key}'", name.text)))
+            }
+            _ => Ok(()),
         }
-    }
-
-    /// The name that was probably meant where `token` stands right behind a name without quotes.
-    fn split_name(&self, token: Token<'a>) -> Option<&'a str> {
-        let text = &self.source.text;
-        let (start, end) = (self.last_name.start, self.last_name.end);
-        let between = text.get(end..token.span.start)?;
-        if end == 0 || between.contains(|c| c != ' ' && c != '\t') || text[start..].starts_with(is_quote) {
-            return None;
-        }
-        let rest = &text[start..];
-        let whole = rest[..rest.find(['}', '\n']).unwrap_or(rest.len())].trim_end();
-        (whole.len() <= LONGEST_NAME).then_some(whole)
     }
 
     /// Notes that `key` is at `span`; returns an error if it was seen before.
@@ -222,54 +235,43 @@ impl<'a> Fields<'a> {
         seen.push((key, span));
         Ok(())
     }
-
-    /// Makes the error for a word that is unknown in `place`.
-    pub fn unknown_word<'k>(
-        &self,
-        token: Token<'a>,
-        place: &str,
-        known: impl Iterator<Item = &'k str> + Clone,
-    ) -> Error {
-        if FOREIGN_WORDS.contains(&token.text) {
-            let message = format!("this scene format has no '{}'", token.text);
-            return self.error(token.span, message).with_note(format!("{place} knows {}", listed(known)));
-        }
-        if matches!(token.text, "{" | "}") {
-            let message = format!("'{}' does not belong here: {place} knows {}", token.text, listed(known));
-            return self.error(token.span, message);
-        }
-        let error = self.error(token.span, format!("{place} has no '{}'", cut_short(token.text)));
-        match probably_meant(token.text, known.clone()) {
-            Some(word) => error.with_note(format!("did you mean '{word}'?")),
-            None => error.with_note(format!("it knows {}", listed(known))),
-        }
-    }
 }
 
-fn listed<'k>(words: impl Iterator<Item = &'k str>) -> String {
-    words.collect::<Vec<_>>().join(", ")
+/// Returns whether a word is one of these keys.
+pub(super) fn is_key(keys: &[Key], word: &str) -> bool {
+    keys.iter().any(|key| key.0 == word)
 }
 
 /// Checks `numLights` and similar counts against the number of items found.
-#[derive(Default)]
 pub(super) struct Count {
     said: u32,
     span: Span,
+    /// The mistakes before the block: after one in it the count says nothing.
+    mistakes: usize,
 }
 
 impl Count {
+    pub fn new(fields: &Fields) -> Self {
+        Self { said: 0, span: Span::default(), mistakes: fields.mistakes.len() }
+    }
+
+    /// Returns whether no mistake was made in the block.
+    pub fn is_clear(&self, fields: &Fields) -> bool {
+        fields.mistakes.len() == self.mistakes
+    }
+
     pub fn read(&mut self, fields: &mut Fields, key: &str, span: Span) -> Result<(), Error> {
-        self.said = fields.count(key)?;
         self.span = span;
+        self.said = fields.count(key)?;
         Ok(())
     }
 
-    pub fn check(&self, fields: &Fields, key: &str, found: usize, item: &str) -> Result<(), Error> {
-        if self.said as usize == found {
+    pub fn check(&self, fields: &mut Fields, key: &str, found: usize, item: &str) -> Result<(), Error> {
+        if self.said as usize == found || !self.is_clear(fields) {
             return Ok(());
         }
-        let plural = if found == 1 { "" } else { "s" };
-        let message = format!("'{key}' says {}, but {found} {item}{plural} stand here", self.said);
-        Err(fields.error(self.span, message.replace("1 object stand ", "1 object stands ")))
+        let (found, stand) = (counted(found, item), if found == 1 { "stands" } else { "stand" });
+        let message = format!("'{key}' says {}, but {found} {stand} here", self.said);
+        fields.note(fields.error(self.span, message))
     }
 }

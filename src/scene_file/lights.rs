@@ -14,11 +14,16 @@ type ParseLight = for<'a> fn(&mut Fields<'a>, Token<'a>) -> Result<Light, Error>
 /// The name of each kind of light, and the function that parses its block.
 const LIGHTS: [(&str, ParseLight); 2] = [("DirectionalLight", directional_light), ("PointLight", point_light)];
 
+/// Returns the names of all kinds of lights.
+pub(super) fn light_names() -> impl Iterator<Item = &'static str> {
+    LIGHTS.into_iter().map(|light| light.0)
+}
+
 /// Parses `Lights { numLights n  (DirectionalLight { } | PointLight { }) ... }`.
 pub(super) fn lights<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec<At<Light>>, Error> {
     let mut keys: Vec<Key> = vec![("numLights", Occurs::Once)];
     keys.extend(LIGHTS.map(|light| (light.0, Occurs::AnyNumber)));
-    let mut count = Count::default();
+    let mut count = Count::new(fields);
     let mut lights = Vec::new();
     fields.block(name, &keys, |fields, key, span| {
         match LIGHTS.into_iter().find(|light| light.0 == key) {
@@ -34,7 +39,7 @@ pub(super) fn lights<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Vec
 /// Parses `DirectionalLight { direction x y z  color r g b }`.
 fn directional_light<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Light, Error> {
     const KEYS: &[Key] = &[("direction", Occurs::Once), ("color", Occurs::Once)];
-    let mut direction = At { value: Vector3::ZERO, span: name.span };
+    let mut direction = At { value: Vector3::new(0.0, 0.0, -1.0), span: name.span };
     let mut color = Vector3::ZERO;
     fields.block(name, KEYS, |fields, key, span| {
         match key {

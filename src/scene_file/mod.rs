@@ -5,11 +5,16 @@
 mod blocks;
 mod description;
 mod fields;
+mod file;
 mod lexer;
 mod lights;
+mod mistakes;
 mod parser;
 mod shapes;
 mod transforms;
+mod typing;
+mod words;
 
 pub use description::{At, BackgroundBlock, CameraBlock, Description, Leaf, LeafShape, Node, TransformStep};
-pub use parser::{parse, parse_file};
+pub use file::parse_file;
+pub use parser::{Parsed, parse};

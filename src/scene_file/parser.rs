@@ -1,50 +1,57 @@
 //! Parses the file as a whole and the tree of objects; the other blocks are parsed by [`blocks`] and [`lights`].
 //!
-//! Material indices are checked here, after the whole text is parsed. Mistakes that need arithmetic or other files (a
-//! singular matrix, a missing mesh) are found by [`compile`](crate::scene::compile).
+//! After a mistake parsing goes on where that is possible, so that a user sees up to [`MOST_SHOWN`](crate::error::MOST_SHOWN)
+//! of them at once. Material indices are checked here, after the whole text is parsed. Mistakes that need arithmetic or
+//! other files (a singular matrix, a missing mesh) are found by [`compile`](crate::scene::compile).
 
-use super::description::{At, BackgroundBlock, Description, Leaf, Node};
+use super::description::{At, BackgroundBlock, CameraBlock, Description, Leaf, Node};
 use super::fields::{Count, Fields};
 use super::lexer::Token;
-use super::shapes::{shape_names, shape_parser};
+use super::shapes::shape_parser;
 use super::transforms::{STEP_NAMES, transform_step};
+use super::words::{BLOCKS, GROUP_WORDS, belongs_into, is_object, object_names};
 use super::{blocks, lights};
 use crate::error::{Error, SourceText, cut_short};
-use crate::input::read_whole;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Largest depth of nested groups and transforms. There must be a limit because the parser is recursive.
 const MAX_NESTING: usize = 256;
-/// Largest scene file that is read.
-const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Reads and parses the scene file at `path`.
-///
-/// # Errors
-/// [`Error::File`] when the file cannot be read or is not UTF-8, [`Error::Source`] for a mistake in it.
-pub fn parse_file(path: &Path) -> Result<Description, Error> {
-    let cannot_read = |error| Error::io(path, "read the scene", &error);
-    let metadata = std::fs::metadata(path).map_err(cannot_read)?;
-    if metadata.is_dir() {
-        return Err(Error::file(path, "this is a folder, not a scene file"));
+/// What a scene file says, as far as it makes sense.
+#[derive(Debug)]
+pub struct Parsed {
+    /// With mistakes, without the objects and the camera that these are about.
+    pub description: Description,
+    pub mistakes: Vec<Error>,
+}
+
+impl Parsed {
+    /// Returns the scene if it has no mistakes.
+    ///
+    /// # Errors
+    /// [`Error::Source`] for one mistake, [`Error::Several`] for more.
+    pub fn whole(self) -> Result<Description, Error> {
+        if self.mistakes.is_empty() { Ok(self.description) } else { Err(Error::all(self.mistakes)) }
     }
-    let bytes = read_whole(path, MAX_FILE_BYTES).map_err(cannot_read)?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let line = error.as_bytes()[..error.utf8_error().valid_up_to()].split(|&b| b == b'\n').count();
-        Error::file(path, format!("line {line} is not UTF-8 text: save the file as UTF-8"))
-    })?;
-    parse(SourceText { path: path.to_owned(), text })
 }
 
 /// Parses the text of a scene file.
-///
-/// # Errors
-/// [`Error::Source`] for the first mistake in the text.
-pub fn parse(source: SourceText) -> Result<Description, Error> {
+pub fn parse(source: SourceText) -> Parsed {
     let source = Arc::new(source);
     let mut parser = Parser { fields: Fields::new(&source), material: None, material_uses: Vec::new(), depth: 0 };
-    parser.file()
+    let mut description = Description {
+        camera: CameraBlock::default(),
+        root: Node::Group(Vec::new()),
+        source: Arc::clone(&source),
+        lights: Vec::new(),
+        background: BackgroundBlock::default(),
+        materials: Vec::new(),
+        hints: Vec::new(),
+    };
+    let last = parser.file(&mut description).err();
+    description.hints.extend(parser.fields.foreign_space());
+    let mistakes = parser.fields.mistakes.into_iter().chain(last).collect();
+    Parsed { description, mistakes }
 }
 
 struct Parser<'a> {
@@ -55,151 +62,214 @@ struct Parser<'a> {
     depth: usize,
 }
 
-/// Objects that contain other objects.
-const CONTAINERS: [&str; 2] = ["Group", "Transform"];
-
-fn object_names() -> impl Iterator<Item = &'static str> + Clone {
-    shape_names().chain(CONTAINERS)
-}
-
-fn is_object(word: &str) -> bool {
-    object_names().any(|name| name == word)
-}
-
 impl<'a> Parser<'a> {
     /// Parses `PerspectiveCamera { } Lights { } Background { } Materials { } Group { }`, in any order, each at most
     /// once. Camera and group are required.
-    fn file(&mut self) -> Result<Description, Error> {
-        const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Lights", "Background", "Materials", "Group"];
-        let (mut camera, mut lights, mut materials, mut root) = (None, Vec::new(), Vec::new(), None);
-        let mut background = BackgroundBlock::default();
+    ///
+    /// # Errors
+    /// [`Error::Source`] for a mistake after which nothing can be said about the rest.
+    fn file(&mut self, description: &mut Description) -> Result<(), Error> {
+        const REQUIRED: [&str; 2] = ["PerspectiveCamera", "Group"];
         let mut seen = Vec::new();
+        let mut is_clear = true;
         while let Some(name) = self.fields.lexer.next() {
             let Some(block) = BLOCKS.into_iter().find(|block| *block == name.text) else {
-                return Err(self.fields.unknown_word(name, "the top level of a scene", BLOCKS.into_iter()));
+                is_clear = false;
+                self.unknown_block(name)?;
+                continue;
             };
-            self.fields.refuse_repetition(&mut seen, block, name.span)?;
-            match block {
-                "PerspectiveCamera" => camera = Some(blocks::camera(&mut self.fields, name)?),
-                "Lights" => lights = lights::lights(&mut self.fields, name)?,
-                "Background" => background = blocks::background(&mut self.fields, name)?,
-                "Materials" => materials = blocks::materials(&mut self.fields, name)?,
-                _ => root = Some(self.group(name)?),
+            let is_first = self.fields.refuse_repetition(&mut seen, block, name.span);
+            if let Err(error) = is_first.and_then(|()| self.block(name, description)) {
+                self.fields.go_on_after(error, "", &|word| BLOCKS.contains(&word))?;
             }
         }
-        let missing =
-            |block: &str| self.fields.error(self.fields.lexer.end(), format!("the scene has no '{block}' block"));
-        let description = Description {
-            camera: camera.ok_or_else(|| missing("PerspectiveCamera"))?,
-            root: root.ok_or_else(|| missing("Group"))?,
-            source: Arc::clone(self.fields.source),
-            lights,
-            background,
-            materials,
-        };
-        self.check_material_indices(description.materials.len())?;
-        Ok(description)
+        let is_missing = |block: &str| is_clear && !seen.iter().any(|seen| seen.0 == block);
+        for block in REQUIRED.into_iter().filter(|block| is_missing(block)) {
+            let message = format!("the scene has no '{block}' block");
+            self.fields.note(self.fields.error(self.fields.lexer.end(), message))?;
+        }
+        self.check_material_indices(description.materials.len())
     }
 
-    fn check_material_indices(&self, count: usize) -> Result<(), Error> {
-        match self.material_uses.iter().find(|used| used.value as usize >= count) {
-            None => Ok(()),
-            Some(used) => {
-                let known = match count {
-                    0 => "the scene has no materials".to_owned(),
-                    1 => "the scene has one material, number 0".to_owned(),
-                    _ => format!("the scene's {count} materials are numbered from 0 to {}", count - 1),
-                };
+    fn block(&mut self, name: Token<'a>, description: &mut Description) -> Result<(), Error> {
+        let fields = &mut self.fields;
+        match name.text {
+            "PerspectiveCamera" => description.camera = blocks::camera(fields, name)?,
+            "Lights" => description.lights = lights::lights(fields, name)?,
+            "Background" => description.background = blocks::background(fields, name)?,
+            "Materials" => description.materials = blocks::materials(fields, name)?,
+            _ => description.root = self.group(name)?,
+        }
+        Ok(())
+    }
+
+    /// Notes the mistake that a word outside of all blocks is.
+    fn unknown_block(&mut self, name: Token<'a>) -> Result<(), Error> {
+        if name.text == "}" {
+            let message = "'}' does not belong here: no block is open";
+            return self.fields.note(self.fields.error(name.span, message));
+        }
+        if ["Lights", "Materials", "Group", "Transform"].iter().any(|block| belongs_into(block, name.text)) {
+            let message =
+                format!("'{}' stands outside of every block: is there a '}}' too many before it?", name.text);
+            let error = self.fields.error(name.span, message);
+            return Err(self.fields.lost(error));
+        }
+        let error = self.fields.unknown_word(name, "the top level of a scene", BLOCKS.into_iter());
+        self.fields.go_on_after(error, name.text, &|word| BLOCKS.contains(&word))
+    }
+
+    /// Notes the material indices that no material has; not after other mistakes, which may be about the materials.
+    fn check_material_indices(&mut self, count: usize) -> Result<(), Error> {
+        let known = match count {
+            0 => "the scene has no materials".to_owned(),
+            1 => "the scene has one material, number 0".to_owned(),
+            _ => format!("the scene's {count} materials are numbered from 0 to {}", count - 1),
+        };
+        if !self.fields.mistakes.is_empty() {
+            return Ok(());
+        }
+        let wrong: Vec<_> = self.material_uses.iter().filter(|used| used.value as usize >= count).collect();
+        for (index, used) in wrong.iter().enumerate() {
+            if !wrong[..index].iter().any(|before| before.value == used.value) {
                 let message = format!("MaterialIndex {}: {known}", used.value);
-                Err(self.fields.error(used.span, message))
+                self.fields.note(self.fields.error(used.span, message))?;
             }
         }
+        Ok(())
     }
 
     /// Parses `Group { numObjects n  objects, with MaterialIndex i between them }`.
     fn group(&mut self, name: Token<'a>) -> Result<Node, Error> {
-        let fields = &mut self.fields;
-        fields.open_brace(name.text)?;
-        let mut count = Count::default();
+        let mut count = Count::new(&self.fields);
+        self.fields.open_brace(name)?;
         let mut seen = Vec::new();
         let mut members = Vec::new();
+        let known = |word: &str| belongs_into("Group", word);
         loop {
-            let token =
-                self.fields.next(|fields| format!("'}}' to end 'Group' of line {}", fields.line(name.span)))?;
-            match token.text {
+            let token = self.fields.next_in_block()?;
+            let mut wrong = "";
+            let read = match token.text {
                 "}" => break,
-                "numObjects" => {
-                    self.fields.refuse_repetition(&mut seen, "numObjects", token.span)?;
-                    count.read(&mut self.fields, token.text, token.span)?;
-                }
-                "MaterialIndex" => {
-                    let value = self.fields.count(token.text)?;
-                    self.material = Some(value);
-                    self.material_uses.push(At { value, span: token.span });
-                }
-                text if is_object(text) => members.push(self.object(token)?),
+                "numObjects" => self
+                    .fields
+                    .refuse_repetition(&mut seen, "numObjects", token.span)
+                    .and_then(|()| count.read(&mut self.fields, token.text, token.span)),
+                "MaterialIndex" => self.material_index(token),
+                text if is_object(text) => self.object(token).map(|object| members.push(object)),
+                _ if self.fields.ends_before(token, &known)? => break,
                 _ => {
-                    let known = ["numObjects", "MaterialIndex"].into_iter().chain(object_names());
-                    return Err(self.fields.unknown_word(token, "'Group'", known));
+                    let known = GROUP_WORDS.into_iter().chain(object_names());
+                    wrong = token.text;
+                    Err(self.fields.unknown_word(token, "'Group'", known))
                 }
+            };
+            if let Err(error) = read {
+                self.fields.go_on_after(error, wrong, &known)?;
             }
         }
-        if seen.is_empty() {
-            return Err(self.fields.error(name.span, "this 'Group' has no 'numObjects'"));
+        self.fields.close();
+        if seen.is_empty() && count.is_clear(&self.fields) {
+            self.fields.note(self.fields.error(name.span, "this 'Group' has no 'numObjects'"))?;
         }
-        count.check(&self.fields, "numObjects", members.len(), "object")?;
+        count.check(&mut self.fields, "numObjects", members.len(), "object")?;
         Ok(Node::Group(members))
+    }
+
+    fn material_index(&mut self, token: Token<'a>) -> Result<(), Error> {
+        // What is wrong with this one is not wrong with the objects behind it.
+        self.material.get_or_insert(0);
+        let value = self.fields.count(token.text)?;
+        self.material = Some(value);
+        self.material_uses.push(At { value, span: token.span });
+        Ok(())
     }
 
     /// Parses a shape, a `Group` or a `Transform`.
     fn object(&mut self, name: Token<'a>) -> Result<Node, Error> {
-        self.depth += 1;
-        if self.depth > MAX_NESTING {
+        if self.depth == MAX_NESTING {
             let message = format!("objects are nested more than {MAX_NESTING} deep");
-            return Err(self.fields.error(name.span, message));
+            let error = self.fields.error(name.span, message);
+            return Err(self.fields.lost(error));
         }
+        self.depth += 1;
         let node = match shape_parser(name.text) {
-            None if name.text == "Group" => self.group(name)?,
-            None => self.transform(name)?,
+            None if name.text == "Group" => self.group(name),
+            None => self.transform(name),
             Some(parse_shape) => {
-                let shape = parse_shape(&mut self.fields, name)?;
-                let Some(material) = self.material else {
-                    let message = format!("no 'MaterialIndex' stands before this '{}'", name.text);
-                    return Err(self.fields.error(name.span, message));
-                };
-                Node::Leaf(Leaf { shape, span: name.span, material })
+                let shape = parse_shape(&mut self.fields, name);
+                shape.and_then(|shape| {
+                    let material = self.material_of(name)?;
+                    Ok(Node::Leaf(Leaf { shape, span: name.span, material }))
+                })
             }
         };
         self.depth -= 1;
-        Ok(node)
+        node
     }
 
-    /// Parses `Transform { transformations object }`.
-    fn transform(&mut self, name: Token<'a>) -> Result<Node, Error> {
-        self.fields.open_brace(name.text)?;
-        let mut steps = Vec::new();
-        let child = loop {
-            let token = self.fields.next(|_| "a transformation or an object".to_owned())?;
-            if is_object(token.text) {
-                break Box::new(self.object(token)?);
-            }
-            if token.text == "}" {
-                return Err(self.fields.error(name.span, "this 'Transform' has no object"));
-            }
-            if !STEP_NAMES.contains(&token.text) {
-                return Err(self.unexpected_in_transform(token));
-            }
-            steps.push(At { value: transform_step(&mut self.fields, token)?, span: token.span });
-        };
-        let token = self.fields.next(|_| "'}' to end 'Transform'".to_owned())?;
-        if token.text == "}" {
-            steps.shrink_to_fit();
-            return Ok(Node::Transform { steps, child });
+    /// Returns the material of an object. That none stands before it is said once.
+    fn material_of(&mut self, name: Token<'a>) -> Result<u32, Error> {
+        if self.material.is_none() {
+            let message = format!("no 'MaterialIndex' stands before this '{}'", name.text);
+            self.fields.note(self.fields.error(name.span, message))?;
         }
-        let message =
-            format!("expected '}}' after the object of this 'Transform', found '{}'", cut_short(token.text));
+        Ok(*self.material.get_or_insert(0))
+    }
+
+    /// Parses `Transform { transformations object }`. With a mistake, it is an empty group.
+    fn transform(&mut self, name: Token<'a>) -> Result<Node, Error> {
+        let mistakes = self.fields.mistakes.len();
+        self.fields.open_brace(name)?;
+        let mut steps = Vec::new();
+        let mut child = None;
+        let known = |word: &str| belongs_into("Transform", word);
+        loop {
+            let token = self.fields.next_in_block()?;
+            let mut wrong = "";
+            let read = match token.text {
+                "}" => break,
+                _ if child.is_some() => Err(self.after_object(name, token)),
+                text if is_object(text) => self.object(token).map(|object| child = Some(Box::new(object))),
+                text if STEP_NAMES.contains(&text) => {
+                    transform_step(&mut self.fields, token).map(|value| steps.push(At { value, span: token.span }))
+                }
+                _ if self.fields.ends_before(token, &known)? => break,
+                text => {
+                    wrong = text;
+                    Err(self.unexpected_in_transform(token))
+                }
+            };
+            if let Err(error) = read {
+                self.fields.go_on_after(error, wrong, &known)?;
+            }
+        }
+        self.fields.close();
+        match child {
+            Some(child) => {
+                steps.shrink_to_fit();
+                Ok(Node::Transform { steps, child })
+            }
+            None => {
+                if self.fields.mistakes.len() == mistakes {
+                    self.fields.note(self.fields.error(name.span, "this 'Transform' has no object"))?;
+                }
+                Ok(Node::Group(Vec::new()))
+            }
+        }
+    }
+
+    /// Makes the error for what stands behind the object of a transform. Where that is another object, either a brace is
+    /// missing before it, or a group around both: what follows means something else in each case.
+    fn after_object(&mut self, name: Token<'a>, token: Token<'a>) -> Error {
+        let line = self.fields.line(name.span);
+        let message = format!(
+            "expected '}}' after the object of the 'Transform' of line {line}, found '{}'",
+            cut_short(token.text)
+        );
         let note = "a transform holds its transformations, then one object; put several objects into a 'Group'";
-        Err(self.fields.error(token.span, message).with_note(note))
+        let error = self.fields.error(token.span, message).with_note(note);
+        if STEP_NAMES.contains(&token.text) { error } else { self.fields.lost(error) }
     }
 
     fn unexpected_in_transform(&self, token: Token<'a>) -> Error {

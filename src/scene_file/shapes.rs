@@ -29,7 +29,7 @@ pub(super) fn shape_parser(name: &str) -> Option<ParseShape> {
 fn sphere<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("center", Occurs::Once), ("radius", Occurs::Once)];
     let mut center = Vector3::ZERO;
-    let mut radius = At { value: 0.0, span: name.span };
+    let mut radius = At { value: 1.0, span: name.span };
     fields.block(name, KEYS, |fields, key, span| {
         match key {
             "center" => center = fields.vector3(key)?,
@@ -46,7 +46,7 @@ fn sphere<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Err
 /// Parses `Plane { normal x y z  offset d }`.
 fn plane<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("normal", Occurs::Once), ("offset", Occurs::Once)];
-    let mut normal = At { value: Vector3::ZERO, span: name.span };
+    let mut normal = At { value: Vector3::new(0.0, 1.0, 0.0), span: name.span };
     let mut offset = 0.0;
     fields.block(name, KEYS, |fields, key, span| {
         match key {
@@ -80,10 +80,15 @@ fn triangle<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, E
 /// Parses `TriangleMesh { obj_file path.obj }`.
 fn triangle_mesh<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("obj_file", Occurs::Once)];
+    let mistakes = fields.mistakes.len();
     let mut obj_file = At { value: String::new(), span: name.span };
     fields.block(name, KEYS, |fields, key, _| {
         obj_file = fields.path(key, "a file")?;
         Ok(())
     })?;
+    if fields.mistakes.len() > mistakes {
+        // It may be a part of the name only.
+        obj_file.value.clear();
+    }
     Ok(LeafShape::Mesh(obj_file))
 }

@@ -15,7 +15,7 @@ pub(super) const STEP_NAMES: [&str; 8] =
 /// | Rotate { x y z degrees } | Matrix4f { 16 numbers, column by column }`
 ///
 /// `name` must be one of [`STEP_NAMES`].
-pub(super) fn transform_step(fields: &mut Fields, name: Token) -> Result<TransformStep, Error> {
+pub(super) fn transform_step<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<TransformStep, Error> {
     let about = |axis: usize, degrees| TransformStep::Rotate { axis: AXES[axis], degrees };
     let key = name.text;
     Ok(match key {
@@ -26,24 +26,29 @@ pub(super) fn transform_step(fields: &mut Fields, name: Token) -> Result<Transfo
         "YRotate" => about(1, fields.number(key)?),
         "ZRotate" => about(2, fields.number(key)?),
         "Rotate" => {
-            let [x, y, z, degrees] = numbers_in_braces(fields, key)?;
+            let [x, y, z, degrees] = numbers_in_braces(fields, name)?;
             let axis = Vector3::from([x, y, z].map(|n| n as Real));
             TransformStep::Rotate { axis, degrees }
         }
-        _ => TransformStep::Matrix4f(numbers_in_braces(fields, key)?),
+        _ => TransformStep::Matrix4f(numbers_in_braces(fields, name)?),
     })
 }
 
-fn numbers_in_braces<const N: usize>(fields: &mut Fields, key: &str) -> Result<[f64; N], Error> {
-    fields.open_brace(key)?;
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = fields.number(key)?;
+/// Reads `{ numbers }`. After a mistake in it, it ends before its brace or before the next word.
+fn numbers_in_braces<'a, const N: usize>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<[f64; N], Error> {
+    fields.open_brace(name)?;
+    let numbers = fields.numbers(name.text).and_then(|numbers| {
+        let token = fields.next_in_block()?;
+        if token.text == "}" {
+            return Ok(numbers);
+        }
+        let message =
+            format!("expected '}}' after the {N} numbers of '{}', found '{}'", name.text, cut_short(token.text));
+        Err(fields.error(token.span, message))
+    });
+    fields.close();
+    if numbers.is_err() {
+        fields.skip_numbers();
     }
-    let token = fields.next(|_| format!("'}}' to end '{key}'"))?;
-    if token.text == "}" {
-        return Ok(numbers);
-    }
-    let message = format!("expected '}}' after the {N} numbers of '{key}', found '{}'", cut_short(token.text));
-    Err(fields.error(token.span, message))
+    numbers
 }
