@@ -9,7 +9,7 @@ fn number(text: &str) -> Result<f64, String> {
         path: "s.txt".into(),
         text: objects(&format!("Transform {{ XRotate {text} Sphere {{ center 0 0 0 radius 1 }} }}")),
     };
-    let description = a2::scene_file::parse(source).map_err(|error| error.to_string())?;
+    let description = a2::scene_file::parse(source).whole().map_err(|error| error.to_string())?;
     let Node::Group(members) = description.root else { panic!() };
     let Node::Transform { steps, .. } = &members[0] else { panic!() };
     let TransformStep::Rotate { degrees, .. } = steps[0].value else { panic!() };

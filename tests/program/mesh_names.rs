@@ -63,7 +63,7 @@ fn a_name_that_is_nearly_right_is_found_or_suggested() {
             (".\\Models\\Kite.obj", "./models/kite.obj"),
         ] {
             let run = named(name, &[file]);
-            let warning = format!("warning: s.txt:6:12: there is no '{name}': '{file}' is read\n");
+            let warning = format!("hint: s.txt:6:12: there is no '{name}': '{file}' is read\n");
             assert_eq!((run.exit_code, run.stderr), (0, warning), "{name}");
         }
     }
@@ -74,7 +74,11 @@ fn a_name_that_is_nearly_right_is_found_or_suggested() {
         assert!(run.stderr.contains(&format!("help: did you mean '{file}'?")), "{}", run.stderr);
     }
     let run = named("teapot.obj", &["kite.obj"]);
-    assert!(run.exit_code == 1 && !run.stderr.contains("did you mean"), "{}", run.stderr);
+    assert!(run.exit_code == 1 && run.stderr.contains("help: this folder holds kite.obj\n"), "{}", run.stderr);
+    let files = ["models/a.obj", "models/b.obj", "models/c.txt", "models/d.obj/e"];
+    assert!(named("models/teapot.obj", &files).stderr.contains("help: 'models' holds a.obj, b.obj\n"));
+    assert!(named("models/teapot.ply", &files).stderr.contains("help: 'models' holds no .ply file\n"));
+    assert!(named("meshes/teapot.obj", &files).stderr.contains("help: there is no folder 'meshes'\n"));
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn a_broken_face_that_no_ray_reaches_is_no_error() {
 
 #[test]
 fn a_mesh_of_several_instances_is_stored_once() {
-    let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap();
+    let source = a2::scene_file::parse_file(&project("data/scene04_axes.txt")).unwrap().whole().unwrap();
     let plan = a2::plan::Plan::new(&options("-input x.txt -output o.png"), &source);
     let scene = a2::scene::compile(&source, &plan, &mut Budget::default()).unwrap().scene;
     assert_eq!((scene.geometry.objects.len(), scene.geometry.meshes.len()), (4, 1));
@@ -166,7 +166,7 @@ fn a_depth_picture_makes_no_smooth_normals() {
     folder.write("m.obj", SQUARE_OBJ);
     folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
     let bytes = |arguments: &str| {
-        let source = a2::scene_file::parse_file(&folder.path("s.txt")).unwrap();
+        let source = a2::scene_file::parse_file(&folder.path("s.txt")).unwrap().whole().unwrap();
         let plan = a2::plan::Plan::new(&options(&format!("-input s.txt {arguments}")), &source);
         let scene = a2::scene::compile(&source, &plan, &mut Budget::default()).unwrap().scene;
         scene.geometry.meshes[0].bytes()
@@ -193,7 +193,7 @@ fn equal_objects_at_one_place_are_one() {
     assert!(picture(&folder, &many, 2000) == picture(&folder, sphere, 1));
     folder.write("s.txt", scene(&many, 2000));
     let said = left_out(&folder, "-output o.png");
-    assert!(said.contains("1999 object(s): an equal one at the same place comes first"), "{said}");
+    assert!(said.contains("1999 objects: an equal one at the same place comes first"), "{said}");
 }
 
 #[test]

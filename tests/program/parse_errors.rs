@@ -3,7 +3,7 @@
 use crate::support::{CAMERA_BLOCK, Folder};
 
 /// Parses and compiles a scene that must be refused; returns the message.
-fn refusal(scene: &str) -> String {
+pub fn refusal(scene: &str) -> String {
     let folder = Folder::new();
     folder.write("s.txt", scene).write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
     folder.write("map/left.png", "no picture");
@@ -13,7 +13,7 @@ fn refusal(scene: &str) -> String {
 }
 
 /// Every scene begins with a camera in line 1 and a material in line 2; `rest` begins in line 3.
-fn with_material(rest: &str) -> String {
+pub fn with_material(rest: &str) -> String {
     format!("{CAMERA_BLOCK}\nMaterials {{ numMaterials 1 Material {{ }} }}\n{rest}")
 }
 
@@ -27,7 +27,7 @@ fn mistakes_are_found_with_line_and_column() {
         ),
         (
             "Group { numObjects 1 MaterialIndex 0\n Sphere { center 0 0 } }",
-            "s.txt:4:22: expected a number for 'center', found '}'",
+            "s.txt:4:22: 'center' takes 3 numbers, and '}' stands in the place of the 3rd",
         ),
         (
             "Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 nan radius 1 } }",
@@ -53,7 +53,7 @@ fn mistakes_are_found_with_line_and_column() {
         ("Group { numObjects 99999999999 }", "s.txt:3:20: expected a whole number"),
         // Structure.
         ("", "s.txt:2:42: the scene has no 'Group' block"),
-        ("Group {", "s.txt:3:8: expected '}' to end 'Group' of line 3, found the end of the file"),
+        ("Group {", "s.txt:3:8: expected '}' to end the 'Group' of line 3, found the end of the file"),
         ("Group numObjects 0 }", "s.txt:3:7: expected '{' after 'Group', found 'numObjects'"),
         ("Group { numObjects 0 } }", "s.txt:3:24: '}' does not belong here"),
         (
@@ -109,7 +109,7 @@ fn mistakes_are_found_with_line_and_column() {
         ),
         (
             "Group { numObjects 1 MaterialIndex 0 Transform { Sphere { center 0 0 0 radius 1 } Scale 1 1 1 } }",
-            "s.txt:3:83: expected '}' after the object of this 'Transform', found 'Scale'",
+            "s.txt:3:83: expected '}' after the object of the 'Transform' of line 3, found 'Scale'",
         ),
         (
             "Group { numObjects 1 MaterialIndex 0 Transform { Rotate { 0 0 1 30 5 } Sphere { center 0 0 0 radius 1 } } }",

@@ -37,7 +37,7 @@ pub struct Reference<'a> {
 
 /// Renders the colour picture of a scene without a cube map.
 pub fn render(scene: &Path, flags: Flags) -> RgbImage {
-    let description = a2::scene_file::parse_file(scene).unwrap();
+    let description = a2::scene_file::parse_file(scene).unwrap().whole().unwrap();
     assert!(description.background.cube_map.is_none(), "the reference has no cube maps");
     let mut reference = Reference { description: &description, meshes: HashMap::new() };
     reference.load_meshes(&description.root, scene.parent().unwrap());

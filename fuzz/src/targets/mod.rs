@@ -10,7 +10,7 @@ mod render;
 mod scene;
 
 use a2::args::{Request, parse};
-use a2::error::Error;
+use a2::error::{Error, MOST_SHOWN};
 use a2::options::Options;
 use std::ffi::OsString;
 use std::path::Path;
@@ -56,8 +56,12 @@ fn must_be_clear(error: &Error, file: &Path) -> bool {
     false
 }
 
-/// Checks the same, and that the error stands at a place in this text.
+/// Checks the same, and that the error stands at a place in this text. Several mistakes are checked one by one.
 fn must_have_a_place(error: &Error, file: &Path, text: &str) -> bool {
+    if let Error::Several(errors) = error {
+        assert!((2..=MOST_SHOWN).contains(&errors.len()), "{} mistakes", errors.len());
+        return errors.iter().fold(false, |is_right, error| is_right | must_have_a_place(error, file, text));
+    }
     must_be_clear(error, file);
     let Error::Source(error) = error else { panic!("no place: {error}") };
     let location = error.location();

@@ -19,7 +19,7 @@ pub const ALL: &str = "-input s.txt -output o.png -normals n.png -depth 0 9 d.pn
 pub fn text(data: &[u8], _: &Path) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
     let path = Path::new(FILE);
-    match parse(SourceText { path: path.to_owned(), text: text.to_owned() }) {
+    match parse(SourceText { path: path.to_owned(), text: text.to_owned() }).whole() {
         Ok(description) => {
             for line in ["-input s.txt -normals n.png", ALL] {
                 let options = options(line);
@@ -55,7 +55,7 @@ pub fn structured(data: &[u8], folder: &Path) -> bool {
 /// # Errors
 /// The error of the first stage that refuses the scene.
 pub fn compiled(text: &str, folder: &Path, options: &Options) -> Result<(Scene, Plan), Error> {
-    let description = parse(SourceText { path: folder.join(FILE), text: text.to_owned() })?;
+    let description = parse(SourceText { path: folder.join(FILE), text: text.to_owned() }).whole()?;
     let plan = Plan::new(options, &description);
     let compiled = a2::scene::compile(&description, &plan, &mut Budget::default())?;
     Ok((compiled.scene, plan))

@@ -1,0 +1,297 @@
+//! What the program says to mistakes that newcomers make in scenes: each message names what to do.
+
+use crate::parse_errors::{refusal, with_material};
+use crate::support::Folder;
+
+/// Every scene has a camera, a material and a sphere, in which `from` is replaced by `to`.
+fn broken(from: &str, to: &str) -> String {
+    let sphere =
+        "Group {\n  numObjects 1\n  MaterialIndex 0\n  Sphere {\n    center 0 0 0\n    radius 1\n  }\n}\n";
+    let scene = with_material(sphere);
+    assert_eq!(scene.matches(from).count(), 1, "{from}");
+    scene.replace(from, to)
+}
+
+/// Runs a scene that must be refused with this message and hint, and with no other one.
+fn says(scene: &str, message: &str, hint: &str) {
+    let said = refusal(scene);
+    assert!(said.starts_with(message), "{scene}\nexpected {message}\nfound    {said}");
+    assert!(said.contains(hint), "{scene}\nexpected {hint}\nin       {said}");
+    assert_eq!(said.matches("s.txt:").count(), 1, "{scene}\n{said}");
+}
+
+#[test]
+fn too_many_and_too_few_numbers_are_counted() {
+    for (from, to, message) in [
+        ("center 0 0 0", "center 0 0 0 10", "s.txt:7:18: 'center' takes 3 numbers, and this is a 4th"),
+        ("radius 1", "radius 1 2 3", "s.txt:8:14: 'radius' takes 1 number, and this is a 2nd"),
+        (
+            "center 0 0 0",
+            "center 0 0",
+            "s.txt:8:5: 'center' takes 3 numbers, and 'radius' stands in the place of the 3rd",
+        ),
+        (
+            "center 0 0 0",
+            "center 0",
+            "s.txt:8:5: 'center' takes 3 numbers, and 'radius' stands in the place of the 2nd",
+        ),
+        ("numObjects 1", "numObjects 1 2", "s.txt:4:16: 'numObjects' takes 1 number, and this is a 2nd"),
+        ("MaterialIndex 0", "MaterialIndex 0 1", "s.txt:5:19: 'MaterialIndex' takes 1 number, and this is a 2nd"),
+        ("angle 90", "angle 90 60", "s.txt:1:70: 'angle' takes 1 number, and this is a 2nd"),
+    ] {
+        says(&broken(from, to), message, "");
+    }
+}
+
+#[test]
+fn a_missing_brace_is_named_with_the_block_that_it_ends() {
+    let closed = "radius 1\n  }";
+    for next in ["Sphere { center 0 0 0 radius 1 }", "MaterialIndex 0 Sphere { center 0 0 0 radius 1 }"] {
+        let first = next.split(' ').next().unwrap();
+        let message = format!("s.txt:9:3: expected '}}' to end the 'Sphere' of line 6, found '{first}'");
+        says(&broken(closed, &format!("radius 1\n  {next}")), &message, "");
+    }
+    says(
+        &broken("Material { } }", "Material { }"),
+        "s.txt:3:1: expected '}' to end the 'Materials' of line 2, found 'Group'",
+        "",
+    );
+    says(
+        &broken("Material { } }", "Material { diffuseColor 1 1 1 Material { } }"),
+        "s.txt:2:58: expected '}' to end the 'Material' of line 2, found 'Material'",
+        "",
+    );
+    says(
+        &broken("angle 90 }", "angle 90"),
+        "s.txt:2:1: expected '}' to end the 'PerspectiveCamera' of line 1, found 'Materials'",
+        "",
+    );
+    says(
+        &broken("radius 1\n  }", "radius 1"),
+        "s.txt:9:2: expected '}' to end the 'Group' of line 3, found the end of the file",
+        "",
+    );
+    let nested = "Transform { Translate 1 0 0 Group { numObjects 0";
+    says(
+        &broken("Sphere {\n    center 0 0 0\n    radius 1\n  }\n}", nested),
+        "s.txt:6:51: expected '}' to end the 'Group' of line 6, found the end of the file",
+        "these blocks have no '}': the 'Group' of line 3, the 'Transform' of line 6, the 'Group' of line 6",
+    );
+    // A brace too many, and a word in the wrong block.
+    says(
+        &broken("radius 1\n  }", "radius 1\n  } }\n  Sphere { }"),
+        "s.txt:10:3: 'Sphere' stands outside of every block",
+        "'}' too many",
+    );
+    says(
+        &broken("center 0 0 0", "MaterialIndex 0 center 0 0 0"),
+        "s.txt:7:5: 'MaterialIndex' does not belong into 'Sphere'",
+        "",
+    );
+    says(&broken("Sphere {", "Sphere"), "s.txt:7:5: expected '{' after 'Sphere', found 'center'", "");
+}
+
+#[test]
+fn the_punctuation_of_other_formats_is_named() {
+    for (from, to, message) in [
+        ("center 0 0 0", "center 0, 0 0", "s.txt:7:12: scenes have no commas: write '0' instead of '0,'"),
+        (
+            "center 0 0 0",
+            "center (0,0,0)",
+            "s.txt:7:12: scenes have no commas: write '0 0 0' instead of '(0,0,0)'",
+        ),
+        ("radius 1", "radius 1;", "s.txt:8:12: scenes have no semicolons: write '1' instead of '1;'"),
+        ("radius 1", "radius = 1", "s.txt:8:12: scenes have no equal signs: leave out '='"),
+        ("radius 1", "radius=1", "s.txt:8:5: scenes have no equal signs: write 'radius 1' instead of 'radius=1'"),
+        ("radius 1", "radius: 1", "s.txt:8:5: scenes have no colons: write 'radius' instead of 'radius:'"),
+        ("radius 1", "radius 1.0f", "s.txt:8:12: numbers have no suffix: write '1.0' instead of '1.0f'"),
+        ("numObjects 1", "numObjects 1;", "s.txt:4:14: scenes have no semicolons"),
+    ] {
+        says(&broken(from, to), message, "");
+    }
+}
+
+#[test]
+fn characters_that_look_like_ascii_are_named() {
+    for (from, to, message, hint) in [
+        (
+            "radius 1",
+            "radius \u{2212}1",
+            "s.txt:8:12: '\u{2212}' (U+2212) is a minus sign of typesetting: type '-'",
+            "write '-1'",
+        ),
+        ("Sphere {", "Sphere\u{ff5b}", "s.txt:6:9: '\u{ff5b}' (U+FF5B) is a full-width character: type '{'", ""),
+        ("Sphere {", "Sphere \u{ff5b}", "s.txt:6:10: '\u{ff5b}' (U+FF5B) is a full-width character: type '{'", ""),
+        (
+            "radius 1",
+            "radius \u{ff11}\u{ff10}",
+            "s.txt:8:12: '\u{ff11}' (U+FF11) is a full-width character: type '1'",
+            "write '10'",
+        ),
+        (
+            "center 0 0 0",
+            "center 0\u{ff0c} 0 0",
+            "s.txt:7:13: '\u{ff0c}' (U+FF0C) is a full-width character: type ','",
+            "",
+        ),
+        (
+            "numObjects 1",
+            "numObjects \u{ff11}",
+            "s.txt:4:14: '\u{ff11}' (U+FF11) is a full-width character: type '1'",
+            "",
+        ),
+        (
+            "radius 1",
+            "r\u{430}dius 1",
+            "s.txt:8:6: '\u{430}' (U+0430) stands in a word that has ASCII letters only",
+            "",
+        ),
+    ] {
+        says(&broken(from, to), message, hint);
+    }
+    says(
+        &broken("radius 1\n  }", "radius 1\n  \u{ff5d}"),
+        "s.txt:9:3: '\u{ff5d}' (U+FF5D) is a full-width character: type '}'",
+        "",
+    );
+    // A full-width space is a space here.
+    let folder = Folder::new();
+    folder.write("s.txt", broken("radius 1", "radius\u{3000}1"));
+    let run = folder.a2("s.txt -output o.png -size 2 2");
+    let hint = "hint: s.txt:8:11: a full-width space (U+3000) stands here, which other programs may not take for one: type ' '\n";
+    assert!(run.exit_code == 0 && run.stderr.starts_with(hint), "{}", run.stderr);
+}
+
+#[test]
+fn words_of_other_formats_get_their_equivalent() {
+    for (from, to, message, hint) in [
+        (
+            "Material { }",
+            "Material { exponent 3 }",
+            "s.txt:2:39: this scene format has no 'exponent'",
+            "'shininess'",
+        ),
+        (
+            "Material { }",
+            "Material { reflectiveColor 1 1 1 }",
+            "s.txt:2:39: this scene format has no 'reflectiveColor'",
+            "'specularColor'",
+        ),
+        (
+            "angle 90",
+            "angle 90 width 100 height 100",
+            "s.txt:1:70: this scene format has no 'width'",
+            "'-size W H' on the command line",
+        ),
+        ("angle 90", "fov 90", "s.txt:1:61: this scene format has no 'fov'", "'angle'"),
+        (
+            "Sphere {",
+            "Cylinder {",
+            "s.txt:6:3: this scene format has no 'Cylinder'",
+            "'TriangleMesh { obj_file NAME.obj }'",
+        ),
+    ] {
+        let said = refusal(&broken(from, to));
+        assert!(said.starts_with(message), "{said}");
+        assert!(said.contains(hint), "{said}");
+    }
+}
+
+#[test]
+fn text_in_another_encoding_is_named_unless_it_is_a_comment() {
+    let in_gbk = |text: &str| {
+        let name = b"\xc7\xf2\xcc\xe5{";
+        let (before, after) = text.split_once("NAME").unwrap();
+        [before.as_bytes(), name, after.as_bytes()].concat()
+    };
+    let folder = Folder::new();
+    folder.write("s.txt", in_gbk(&broken("Sphere {", "# NAME\n  Sphere {")));
+    let run = folder.a2("-input s.txt -output o.png -size 2 2 -quiet");
+    assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""));
+    folder.write("s.txt", in_gbk(&broken("Sphere {", "TriangleMesh { obj_file NAME } Sphere {")));
+    let run = folder.a2("-input s.txt -output o.png -size 2 2");
+    let message = "error: s.txt:6:27: this is not UTF-8 text, but probably GBK: save the file as UTF-8\n";
+    assert!(run.exit_code == 1 && run.stderr.starts_with(message), "{}", run.stderr);
+    folder.write(
+        "s.txt",
+        broken("Sphere", "Sphere").encode_utf16().fold(vec![0xff, 0xfe], |mut bytes, unit| {
+            bytes.extend(unit.to_le_bytes());
+            bytes
+        }),
+    );
+    let run = folder.a2("-input s.txt -output o.png -size 2 2");
+    assert_eq!(run.stderr, "error: s.txt: this is UTF-16 text: save the file as UTF-8\n");
+}
+
+#[test]
+fn a_scene_or_cube_map_that_is_not_there_is_looked_for() {
+    let folder = Folder::new();
+    folder.write("scene01.txt", "").write("b.txt", "").write("maps/sky/up.png", "").write("maps/notes.txt", "");
+    for (name, help) in [
+        ("scene1.txt", "did you mean 'scene01.txt'?"),
+        ("Scene01.txt", "did you mean 'scene01.txt'?"),
+        ("teapot.txt", "this folder holds b.txt, s.txt, scene01.txt"),
+        ("scenes/teapot.txt", "there is no folder 'scenes'"),
+        ("maps/sky/teapot.txt", "'maps/sky' holds no .txt file"),
+    ] {
+        folder.write("s.txt", "");
+        let run = folder.a2(&format!("-input {name} -output o.png"));
+        let message = format!(
+            "error: {name}: cannot read the scene: No such file or directory (os error 2)\nhelp: {help}\n"
+        );
+        if cfg!(target_os = "linux") {
+            assert_eq!((run.exit_code, run.stderr), (1, message));
+        }
+    }
+    for (name, hint) in [("maps/sk", "did you mean 'maps/sky'?"), ("maps/ocean", "'maps' holds sky")] {
+        folder.write(
+            "s.txt",
+            with_material(&format!("Background {{\n  cubeMap {name} }} Group {{ numObjects 0 }}")),
+        );
+        let run = folder.a2("-input s.txt -output o.png");
+        let message = format!("error: s.txt:4:11: the cube map folder '{name}' does not exist\n");
+        assert!(
+            run.stderr.starts_with(&message) && run.stderr.contains(&format!("help: {hint}")),
+            "{}",
+            run.stderr
+        );
+    }
+}
+
+#[test]
+fn all_mistakes_are_shown_at_once() {
+    let scene = "PerspectiveCamera { center 0 0 10 direction 0 0 0 up 0 1 0 angle 90 }
+Lights { numLights 1 PointLight { position 0, 5 5 color 1 1 1 } }
+Background { cubeMap nowhere }
+Materials { numMaterials 2 Material { difuseColor 1 1 1 } Material { shininess -3 } }
+Group {
+    numObjects 5
+    MaterialIndex 0
+    Sphere { center 0 0 0 radius abc }
+    Transform { Scale 1 0 1 Sphere { center 0 0 0 radius 1 } }
+    Transform { Rotate { 0 0 1 } Sphere { center 0 0 0 radius 1 } }
+    TriangleMesh { obj_file none.obj }
+    Plane { normal 0 1 0 offset 1 offset 2 }
+}
+";
+    let said = refusal(scene);
+    let places: Vec<&str> =
+        said.lines().filter_map(|line| line.trim_start_matches("error: ").strip_prefix("s.txt:")).collect();
+    let expected = [
+        "1:35: 'direction' has no length",
+        "2:44: scenes have no commas",
+        "3:22: the cube map folder 'nowhere' does not exist",
+        "4:39: 'Material' has no 'difuseColor'",
+        "4:70: 'shininess' must be 0 or above",
+        "8:34: expected a number for 'radius', found 'abc'",
+        "9:17: this transformation squashes space flat",
+        "10:32: 'Rotate' takes 4 numbers, and '}' stands in the place of the 4th",
+        "11:29: cannot read the mesh 'none.obj'",
+        "12:35: a second 'offset' in line 12",
+    ];
+    assert_eq!(places.len(), expected.len(), "{said}");
+    for (place, expected) in places.iter().zip(expected) {
+        assert!(place.starts_with(expected), "expected {expected}\nfound    {place}");
+    }
+    assert!(said.ends_with("\nerror: 10 mistakes or more: these are the first\n"), "{said}");
+}
