@@ -2,6 +2,7 @@
 //!
 //! [`args`](crate::args) makes them of a command line. Nothing here does anything.
 
+use crate::input::is_standard;
 use crate::simd::InstructionSet;
 use std::path::{Path, PathBuf};
 use vecmath::Vector3;
@@ -53,6 +54,8 @@ pub struct Options {
     pub pixels: Vec<PixelPlace>,
     /// Picture of what each pixel costs.
     pub cost: Option<PathBuf>,
+    /// Read everything and render nothing.
+    pub check: bool,
     pub measure: MeasureOptions,
 }
 
@@ -65,9 +68,23 @@ impl Options {
 
     /// Returns all files to write.
     pub fn files(&self) -> impl Iterator<Item = &Path> + Clone {
+        self.files_by_flag().map(|file| file.1)
+    }
+
+    /// Returns all files to write, each with its flag.
+    pub fn files_by_flag(&self) -> impl Iterator<Item = (&'static str, &Path)> + Clone {
         let MeasureOptions { error_map, report, convergence, .. } = &self.measure;
-        self.pictures()
-            .chain([&self.cost, error_map, report, convergence].into_iter().flatten().map(PathBuf::as_path))
+        let depth = self.depth.as_ref().map(|depth| &depth.path);
+        let files = [
+            ("output", self.color.as_ref()),
+            ("normals", self.normals.as_ref()),
+            ("depth", depth),
+            ("cost", self.cost.as_ref()),
+            ("error-map", error_map.as_ref()),
+            ("report", report.as_ref()),
+            ("convergence", convergence.as_ref()),
+        ];
+        files.into_iter().filter_map(|(flag, path)| Some((flag, path?.as_path())))
     }
 
     /// Returns whether colours are computed: for a picture, or to show how a pixel gets its colour and what it costs.
@@ -101,7 +118,7 @@ impl Options {
 
     /// Returns whether the colour picture's file holds numbers instead of bytes.
     pub fn color_is_numbers(&self) -> bool {
-        self.color.as_ref().is_some_and(|path| !has_extension(path, "png"))
+        self.color.as_ref().is_some_and(|path| !has_extension(path, "png") && !is_standard(path))
     }
 
     /// Returns whether the colour picture's file is an EXR.

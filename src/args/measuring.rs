@@ -1,7 +1,8 @@
 //! Parses the flags about samples, errors and cost.
 
-use super::typed::{Typed, must_be_png, must_be_supported, usage_error};
+use super::typed::{Typed, must_be_png, must_be_supported, unlike, usage_error};
 use crate::error::Error;
+use crate::input::is_standard;
 use crate::options::{MAX_SAMPLES, MeasureOptions, SamplerKind, has_extension};
 use std::path::PathBuf;
 
@@ -66,10 +67,11 @@ fn with_extension(typed: &Typed, flag: &str, extensions: &[&str]) -> Result<Opti
     let Some(path) = typed.path(flag) else {
         return Ok(None);
     };
+    if flag == "report" && is_standard(&path) {
+        return Ok(Some(path));
+    }
     if extensions.iter().any(|extension| has_extension(&path, extension)) {
         return must_be_supported(flag, path).map(Some);
     }
-    let message =
-        format!("expected a file name that ends in .{}, found '{}'", extensions.join(", ."), path.display());
-    Err(usage_error(flag, message))
+    Err(unlike(flag, extensions, &path))
 }

@@ -4,23 +4,28 @@
 //! flags and values. The values are checked here, so that every message names flag, value and expectation.
 
 mod depth;
+mod flags;
+mod help;
 mod measuring;
 mod pixels;
 mod typed;
 
+pub use flags::{Flag, GROUPS, flags};
+
 use crate::error::Error;
+use crate::input::is_standard;
 use crate::options::{CompareOptions, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, Options, has_extension};
 use crate::simd::InstructionSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use typed::{FLAGS, Typed, command, explained, must_be_a_picture, usage, usage_error, with_two_dashes};
+use typed::{Typed, command, explained, must_be_a_picture, unlike, usage_error, with_two_dashes};
 
 /// What a command line asks the program to do.
 #[derive(Debug)]
 pub enum Request {
     /// Print this text and end with exit code 0.
     Print(String),
-    /// No arguments: print this text and end with exit code 1, as the starter does.
+    /// No arguments: print this text on standard error and end with exit code 2.
     PrintUsage(String),
     Render(Box<Options>),
     Compare(CompareOptions),
@@ -33,15 +38,15 @@ pub enum Request {
 pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
     let argv = depth::with_two_ends_of_auto(argv.into_iter().map(with_two_dashes).collect());
     if argv.is_empty() {
-        return Ok(Request::PrintUsage(usage()));
+        return Ok(Request::PrintUsage(help::screen()));
     }
-    let matches = command().try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
+    let command = command(&argv);
+    let matches = command.try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
     let typed = Typed(&matches);
-    if typed.has("help") {
-        return Ok(Request::Print(usage()));
-    }
-    if typed.has("version") {
-        return Ok(Request::Print(format!("a2 {}\n", env!("CARGO_PKG_VERSION"))));
+    let texts: [(&str, fn() -> String); 3] =
+        [("h", help::screen), ("help", help::page), ("version", help::version)];
+    if let Some((_, text)) = texts.into_iter().find(|(flag, _)| typed.has(flag)) {
+        return Ok(Request::Print(text()));
     }
     if typed.has("compare") {
         return compare_options(&typed).map(Request::Compare);
@@ -55,13 +60,12 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error>
 }
 
 fn options(typed: &Typed) -> Result<Options, Error> {
-    let input = typed.path("input").ok_or_else(|| Error::Usage("-input is missing: which scene?".into()))?;
-    if !has_extension(&input, "txt") {
-        let message = format!("expected a file name that ends in .txt, found '{}'", input.display());
-        return Err(usage_error("input", message));
+    let input = typed.scene()?.ok_or_else(|| Error::Usage("-input is missing: which scene?".into()))?;
+    if !is_standard(&input) && !has_extension(&input, "txt") {
+        return Err(unlike("input", &["txt"], &input));
     }
     let side = |index| {
-        let expected = format!("two whole numbers from 1 to {MAX_SIDE}");
+        let expected = format!("two whole numbers from 1 to {MAX_SIDE}, at most {MAX_PIXELS} pixels in all");
         typed.number("size", index, &expected, |n: &u32| (1..=MAX_SIDE).contains(n))
     };
     let bounces = format!("a whole number from 0 to {MAX_BOUNCES}");
@@ -89,19 +93,17 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         explain: typed.has("explain"),
         pixels: pixels::places(typed)?,
         cost: typed.png_path("cost")?,
+        check: typed.has("check"),
         measure: measuring::options(typed)?,
     };
     if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
         return Err(usage_error(flag, "is about colours: give -output too"));
     }
     pixels::check(&options)?;
-    if options.pictures().next().is_none() && options.cost.is_none() && options.pixels.is_empty() {
-        let message = "no picture is asked for: give -output, -depth or -normals";
+    let shows_something = options.cost.is_some() || !options.pixels.is_empty() || options.check;
+    if options.pictures().next().is_none() && !shows_something {
+        let message = "no picture is asked for: give -output, -depth or -normals (or -check)";
         return Err(Error::Usage(message.into()));
-    }
-    let files: Vec<_> = options.files().collect();
-    if (1..files.len()).any(|i| files[..i].contains(&files[i])) {
-        return Err(Error::Usage("two files have the same name".into()));
     }
     Ok(options)
 }
@@ -147,8 +149,16 @@ fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
 
 fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
     const ALLOWED: [&str; 5] = ["compare", "diff", "report", "tolerance", "quiet"];
-    if let Some((other, ..)) = FLAGS.iter().find(|flag| typed.has(flag.0) && !ALLOWED.contains(&flag.0)) {
-        return Err(usage_error(other, "does not go with -compare"));
+    if let Some(other) = flags().find(|flag| typed.has(flag.name) && !ALLOWED.contains(&flag.name)) {
+        return Err(usage_error(other.name, "does not go with -compare"));
+    }
+    if let Some(scene) = typed.scene()? {
+        let message = format!("'{}' belongs to no flag: -compare takes two pictures", scene.display());
+        return Err(Error::Usage(message));
+    }
+    let report = typed.path("report");
+    if report.as_deref().is_some_and(is_standard) {
+        return Err(usage_error("report", "with -compare, standard output has the verdict: expected a file name"));
     }
     let pictures = typed.values("compare");
     let (levels, percent) = ("a whole number of levels from 0 to 255", "a percentage from 0 to 100");
@@ -156,7 +166,7 @@ fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
         a: PathBuf::from(pictures[0]),
         b: PathBuf::from(pictures[1]),
         diff: typed.png_path("diff")?,
-        report: typed.path("report"),
+        report,
         levels: typed.number("tolerance", 0, levels, |_| true)?.unwrap_or(1),
         percent: typed.number("tolerance", 1, percent, |n| (0.0..=100.0).contains(n))?.unwrap_or(0.01),
     })

@@ -2,6 +2,7 @@
 
 use super::typed::{Typed, usage_error};
 use crate::error::Error;
+use crate::input::is_standard;
 use crate::options::{MAX_SIDE, Options, PixelPlace};
 
 /// Parses `-pixel X Y`, each time it is given. A whole number names the middle of a column or row.
@@ -27,6 +28,9 @@ pub(super) fn check(options: &Options) -> Result<(), Error> {
             height - 1
         );
         return Err(usage_error("pixel", message));
+    }
+    if !options.pixels.is_empty() && options.files().any(is_standard) {
+        return Err(usage_error("pixel", "is printed on standard output, where no file can go then: give it a name"));
     }
     let has_unknown_samples = options.measure.is_adaptive() || options.measure.convergence.is_some();
     let flags = [("pixel", !options.pixels.is_empty()), ("cost", options.cost.is_some())];

@@ -1,7 +1,7 @@
 //! Command lines and what they mean.
 
 use super::*;
-use crate::options::{DepthPicture, SamplerKind};
+use crate::options::{DepthPicture, MAX_SAMPLES, SamplerKind};
 
 fn parsed(line: &str) -> Result<Request, Error> {
     parse(line.split_whitespace().map(OsString::from))
@@ -63,7 +63,7 @@ fn errors_name_flag_value_and_expectation() {
     for (line, parts) in [
         ("-input s.txt", &["-output", "-depth"] as &[_]),
         ("-output o.png", &["-input"]),
-        ("-input s.txt -output o.jpg", &["-output", ".png", "o.jpg"]),
+        ("-input s.txt -output o.jpg", &["-output", ".png, .pfm", "o.jpg"]),
         ("-input s.obj -output o.png", &["-input", ".txt", "s.obj"]),
         ("-input s.txt -output o.png -size 0 5", &["-size", "'0'", "from 1 to 65536"]),
         ("-input s.txt -output o.png -size 5 65537", &["-size", "'65537'", "from 1 to 65536"]),
@@ -72,9 +72,14 @@ fn errors_name_flag_value_and_expectation() {
         ("-input s.txt -output o.png -bounces -1", &["-bounces", "'-1'"]),
         ("-input s.txt -output o.png -bounces 2.5", &["-bounces", "'2.5'"]),
         ("-input s.txt -output o.png -bouncse 2", &["-bouncse", "did you mean -bounces"]),
-        ("-input s.txt -output o.png stray", &["'stray'"]),
+        ("-input s.txt -output o.png stray", &["'stray' belongs to no flag: the scene is 's.txt'"]),
+        ("s.txt t.txt -output o.png", &["'t.txt' belongs to no flag: the scene is 's.txt'"]),
+        ("s.txt -compare a.png b.png", &["'s.txt' belongs to no flag: -compare takes two pictures"]),
+        ("-compare a.png b.png -diff -", &["-diff", ".png", "'-'"]),
+        ("- -output o.png -depth 0 1", &["-depth needs 3 values"]),
+        ("s.txt -output", &["-output needs 1 value: -output FILE"]),
+        ("s.txt -output o.png -shadows=1", &["-shadows takes no value"]),
         ("-input s.txt -depth nan 1 d.png", &["-depth", "'nan'"]),
-        ("-input s.txt -output o.png -depth 0 1 o.png", &["same name"]),
         ("-input s.txt -output o.png -threads 0", &["-threads", "'0'"]),
         ("-input s.txt -output o.png -epsilon -1", &["-epsilon", "'-1'", "auto"]),
         ("-input s.txt -output o.png -epsilon nan", &["-epsilon", "'nan'"]),
@@ -91,7 +96,6 @@ fn errors_name_flag_value_and_expectation() {
         ("-input s.txt -output o.png -report r.txt", &["-report", ".json", "r.txt"]),
         ("-input s.txt -output o.png -reference r.jpg", &["-reference", ".png, .pfm, .exr", "r.jpg"]),
         ("-input s.txt -normals o.png -target-error 1", &["-target-error", "-output"]),
-        ("-input s.txt -output o.png -error-map o.png", &["same name"]),
         ("-input s.txt -output o.png -convergence c.pdf", &["-convergence", ".svg, .html, .csv", "c.pdf"]),
         ("-input s.txt -output o.png -convergence c.csv -time-limit 1", &["-convergence", "-time-limit"]),
         ("-compare a.png b.png -size 3 3", &["-size", "-compare"]),
@@ -121,7 +125,58 @@ fn flags_about_random_samples_imply_jitter() {
 #[test]
 fn help_names_every_flag() {
     let Ok(Request::Print(help)) = parsed("-help") else { panic!() };
-    for (name, ..) in FLAGS {
-        assert!(help.contains(&format!("-{name} ")), "{name}");
+    let Ok(Request::Print(screen)) = parsed("-h") else { panic!() };
+    for Flag { name, .. } in flags() {
+        assert!(help.contains(&format!("  -{name}")) && screen.contains(&format!("  -{name}")), "{name}");
+    }
+}
+
+#[test]
+fn help_fits_a_terminal() {
+    for help in ["-h", "-help"] {
+        let Ok(Request::Print(text)) = parsed(help) else { panic!() };
+        assert!(text.lines().count() > 40);
+        for line in text.lines() {
+            assert!(line.chars().count() <= 80 && line == line.trim_end(), "{help}: {line}");
+        }
+    }
+    let Ok(Request::Print(screen)) = parsed("-h") else { panic!() };
+    // A flag takes one line, and a screen has some 60.
+    assert!(screen.lines().count() <= 65, "{}", screen.lines().count());
+}
+
+/// One number each, wherever it is told.
+#[test]
+fn limits_are_the_same_everywhere() {
+    let (Ok(Request::Print(help)), Ok(Request::Print(version))) = (parsed("-help"), parsed("-V")) else {
+        panic!()
+    };
+    let limits = [u64::from(MAX_SIDE), MAX_PIXELS, u64::from(MAX_BOUNCES), u64::from(MAX_SAMPLES)];
+    let in_order = |text: &str| limits.iter().filter(|limit| text.contains(&limit.to_string())).count();
+    assert_eq!((in_order(&help), in_order(&version)), (4, 4), "{help}{version}");
+    let page = include_str!("../../ARCHITECTURE.md").replace(',', "");
+    assert!(
+        page.contains(&format!("{MAX_SIDE} x {MAX_SIDE} and {MAX_PIXELS} pixels in all {MAX_BOUNCES} bounces"))
+    );
+    let size = refusal("s.txt -output o.png -size 0 5");
+    assert!(size.contains(&MAX_SIDE.to_string()) && size.contains(&MAX_PIXELS.to_string()), "{size}");
+}
+
+#[test]
+fn the_scene_needs_no_flag_and_a_dash_is_a_file() {
+    let options = render("s.txt -output - -size 3 4 -report r.json");
+    assert_eq!((options.input, options.color), (PathBuf::from("s.txt"), Some(PathBuf::from("-"))));
+    assert!(!render("s.txt -output -").color_is_numbers() && render("s.txt -output o.pfm").color_is_numbers());
+    assert_eq!(render("-output o.png -size 3 4 - -report -").input, PathBuf::from("-"));
+    assert_eq!(render("-output o.png s.txt -input s.txt").input, PathBuf::from("s.txt"));
+    assert!(render("s.txt -check").check);
+}
+
+#[test]
+fn the_version_says_what_was_built() {
+    for flag in ["-V", "-version", "--version"] {
+        let Ok(Request::Print(text)) = parsed(flag) else { panic!("{flag}") };
+        assert!(text.starts_with(concat!("a2 ", env!("CARGO_PKG_VERSION"), "\ncommit ")), "{text}");
+        assert!(text.contains(InstructionSet::NAMES[0]) && text.contains(std::env::consts::ARCH), "{text}");
     }
 }
