@@ -20,9 +20,11 @@
 pub mod args;
 pub mod bvh;
 pub mod camera;
+mod check;
 pub mod cost;
 pub mod cube_map;
 pub mod error;
+pub mod file_path;
 pub mod film;
 pub mod hints;
 pub mod input;
@@ -52,7 +54,7 @@ mod write;
 use args::Request;
 use cost::Cost;
 use cube_map::CubeMap;
-use error::Error;
+use error::{Error, counted};
 use film::{BandWriter, PictureWriter};
 use inspect::inspect;
 use measure::{Phases, Point, Reference, Report};
@@ -60,9 +62,9 @@ use memory::Budget;
 use options::{CompareOptions, Options};
 use output::say;
 use plan::Plan;
-use progress::Bar;
+use progress::Shown;
 use render::Frame;
-use scene::{Compiled, MeshFile, Scene, compile};
+use scene::{Compiled, MeshFile, Scene, compile, without_mistakes};
 use scene_file::Description;
 use std::ffi::OsString;
 use std::io::{IsTerminal, stderr};
@@ -90,8 +92,15 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
     };
     match args::parse(argv).map_err(with_code)? {
         Request::Print(text) => Ok(Outcome { text, exit_code: 0 }),
-        Request::PrintUsage(text) => Ok(Outcome { text, exit_code: 1 }),
+        Request::PrintUsage(text) => {
+            say(&text);
+            Ok(Outcome { text: String::new(), exit_code: 2 })
+        }
         Request::Compare(options) => compare(&options),
+        Request::Render(options) if options.check => {
+            let text = check::check(&options).map_err(with_code)?;
+            Ok(Outcome { text, exit_code: 0 })
+        }
         Request::Render(options) => render_to_files(&options).map_err(with_code),
     }
 }
@@ -101,7 +110,8 @@ fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
     let alike = options.are_alike(comparison.percent_over(options.levels));
     let verdict = if alike { "alike" } else { "different" };
     let (levels, percent) = (options.levels, options.percent);
-    let text = format!("{comparison}{verdict}: at most {levels} level(s) on all but {percent}%\n");
+    let levels = counted(usize::from(levels), "level");
+    let text = format!("{comparison}{verdict}: at most {levels} on all but {percent}%\n");
     Ok(Outcome { text, exit_code: u8::from(!alike) })
 }
 
@@ -115,9 +125,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
     write::worker_threads(options)?.install(|| {
         let mut pictures = Vec::new();
         let mut report = render_since(options, &total, (!options.keeps_film()).then_some(&mut pictures))?;
-        if !options.quiet {
-            report.warnings.iter().for_each(|warning| say(&format!("warning: {warning}\n")));
-        }
+        report.remarks.lines(options.quiet).for_each(|line| say(&line));
         report.hints.iter().for_each(|hint| say(&format!("hint: {hint}\n")));
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
@@ -131,6 +139,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
         report.phases.encode += writing;
         report.total = total.times();
         write::write_findings(options, &report)?;
+        write::say_what_is_written(options, &report);
         let text = report.pixels.iter().map(|pixel| pixel.text(options)).collect();
         Ok(Outcome { text, exit_code: if report.is_complete(options) { 0 } else { INCOMPLETE } })
     })
@@ -167,7 +176,7 @@ fn render_since(
         drop(description);
         compiled
     });
-    let Compiled { scene, places, mesh_files, left_out, warnings, build } = compiled?;
+    let Compiled { scene, places, mesh_files, left_out, remarks, build } = compiled?;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let (rendered, rendering) = timed(|| {
@@ -197,7 +206,7 @@ fn render_since(
         pixels,
         cost,
         mesh_files,
-        warnings,
+        remarks,
         hints,
         depth_range: options.depth.as_ref().map(|depth| (depth.min, depth.max)),
         threads,
@@ -206,7 +215,7 @@ fn render_since(
 }
 
 fn parse(options: &Options) -> Result<(Description, Plan), Error> {
-    let description = scene_file::parse_file(&options.input)?;
+    let description = without_mistakes(scene_file::parse_file(&options.input)?)?;
     let plan = Plan::new(options, &description);
     Ok((description, plan))
 }
@@ -220,7 +229,7 @@ fn render_pictures(
     reference: Option<&Reference>,
     pictures: Option<&mut Vec<PictureWriter>>,
 ) -> Result<(Frame, Vec<Point>), Error> {
-    let progress = Bar::new(options.quiet);
+    let progress = Shown::new(options);
     let mut frame = if options.pictures().next().is_none() {
         Frame::empty()
     } else if options.measure.is_adaptive() {

@@ -87,9 +87,10 @@ impl Options {
         files.into_iter().filter_map(|(flag, path)| Some((flag, path?.as_path())))
     }
 
-    /// Returns whether colours are computed: for a picture, or to show how a pixel gets its colour and what it costs.
+    /// Returns whether colours are computed: for a picture, or to show how a pixel gets its colour and what it costs. What
+    /// they need is what -check reads.
     pub fn wants_colors(&self) -> bool {
-        self.color.is_some() || self.cost.is_some() || !self.pixels.is_empty()
+        self.color.is_some() || self.check || self.cost.is_some() || !self.pixels.is_empty()
     }
 
     /// Returns the number of samples for each pixel of the traced grid.

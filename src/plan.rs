@@ -2,6 +2,7 @@
 //!
 //! A scene pays only for what it needs. What is left out here can change no byte of any picture.
 
+use crate::error::counted;
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
 use crate::scene_file::{At, Description, Leaf, LeafShape, Node};
@@ -121,7 +122,9 @@ impl Plan {
         let pictures: Vec<&str> = pictures.iter().filter(|picture| picture.0).map(|picture| picture.1).collect();
         let samples = match options.measure.is_adaptive() {
             true => "as many samples as it takes".to_owned(),
-            false => format!("{} sample(s) a pixel", options.samples() * options.grid_pixels()),
+            false => {
+                format!("{} a pixel", counted((options.samples() * options.grid_pixels()) as usize, "sample"))
+            }
         };
         let _ = writeln!(
             text,
@@ -133,10 +136,10 @@ impl Plan {
         if self.color {
             let _ = writeln!(
                 text,
-                "plan: {} light(s), shadow rays {}, {} bounce(s), cube map {}",
-                self.lights.len(),
+                "plan: {}, shadow rays {}, {}, cube map {}",
+                counted(self.lights.len(), "light"),
                 if self.shadows { "on" } else { "off" },
-                self.bounces,
+                counted(self.bounces as usize, "bounce"),
                 if self.cube_map { "decoded face by face when a ray reaches it" } else { "none" }
             );
         }

@@ -1,7 +1,8 @@
 //! Writes the results of a run: pictures and tables to files, messages to standard error.
 
-use crate::error::Error;
+use crate::error::{Error, counted};
 use crate::film::{self, BandWriter as _, Film, PictureWriter, Plane};
+use crate::input::is_standard;
 use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
@@ -9,7 +10,7 @@ use crate::output::{self, say};
 use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
-use std::io::{ErrorKind, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr};
 use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
@@ -19,7 +20,7 @@ use std::thread;
 /// # Errors
 /// [`Error::File`] for the first file that cannot be written.
 pub fn check_files(options: &Options) -> Result<(), Error> {
-    output::check(options.files())?;
+    output::check(options.files_by_flag())?;
     let inputs = [Some(options.input.as_path()), options.measure.reference.as_deref()];
     output::check_inputs(options.files(), inputs.into_iter().flatten())
 }
@@ -35,7 +36,7 @@ pub fn worker_threads(options: &Options) -> Result<ThreadPool, Error> {
     let others: Vec<_> = (1..most).map_while(|_| waiting_thread()).collect();
     let count = 1 + others.len();
     if count < wanted && !options.quiet {
-        say(&format!("warning: the system allows {count} worker thread(s), not {wanted}\n"));
+        say(&format!("hint: the system allows {}, not {wanted}\n", counted(count, "worker thread")));
     }
     let mut others = others.into_iter();
     ThreadPoolBuilder::new()
@@ -132,10 +133,23 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
         });
     }
     let missed = measure.target_error.filter(|&target| !report.is_below(target));
-    if let (Some(target), false) = (missed, options.quiet) {
+    if let Some(target) = missed {
         say(&format!("warning: the target error of {target} levels was not reached\n"));
     }
     Ok(())
+}
+
+/// Says on a terminal which pictures are written.
+pub fn say_what_is_written(options: &Options, report: &Report) {
+    if options.quiet || !stderr().is_terminal() {
+        return;
+    }
+    let names: Vec<String> =
+        options.pictures().filter(|path| !is_standard(path)).map(|path| path.display().to_string()).collect();
+    if !names.is_empty() {
+        let (width, height, seconds) = (options.width, options.height, report.total.wall.as_secs_f64());
+        say(&format!("wrote {}, {width} x {height}, {seconds:.2} s\n", names.join(", ")));
+    }
 }
 
 /// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or as many as there are processors.

@@ -154,7 +154,12 @@ const MEASURING: &[Flag] = &[
         "Print how this pixel gets its colour",
         "X is counted from the left, Y from the top. The flag may be given several times.",
     ),
-    flag("cost", &["FILE"], "Picture of what each pixel takes, .png", "That is rays, boxes and triangles, in false colours."),
+    flag(
+        "cost",
+        &["FILE"],
+        "Picture of what each pixel takes, .png",
+        "That is rays, boxes and triangles, in false colours.",
+    ),
     flag("explain", &[], "Say what the scene needs and what is left out", "It goes to standard error."),
 ];
 

@@ -30,7 +30,10 @@ pub(super) fn check(options: &Options) -> Result<(), Error> {
         return Err(usage_error("pixel", message));
     }
     if !options.pixels.is_empty() && options.files().any(is_standard) {
-        return Err(usage_error("pixel", "is printed on standard output, where no file can go then: give it a name"));
+        return Err(usage_error(
+            "pixel",
+            "is printed on standard output, where no file can go then: give it a name",
+        ));
     }
     let has_unknown_samples = options.measure.is_adaptive() || options.measure.convergence.is_some();
     let flags = [("pixel", !options.pixels.is_empty()), ("cost", options.cost.is_some())];

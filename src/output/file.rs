@@ -1,8 +1,9 @@
 //! [`OutputFile`]: a file that is being written.
 
-use super::target::Target;
+use super::target::{Target, standard_output};
 use super::temporary::Temporary;
 use crate::error::Error;
+use crate::input::is_standard;
 use std::fs::{File, Permissions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ impl OutputFile {
     /// [`Error::File`] when the folder does not exist or cannot be written to.
     pub fn new(name: &Path, what: &'static str) -> Result<Self, Error> {
         let place = match Target::of(name)? {
-            Target::Stream => Place::Stream(spooled_tempfile(IN_MEMORY)),
+            Target::Stream | Target::StandardOutput => Place::Stream(spooled_tempfile(IN_MEMORY)),
             Target::File { path, permissions } => {
                 let temporary = Temporary::beside(&path).map_err(|error| refused(name, what, &error))?;
                 Place::File { temporary, path, permissions }
@@ -90,7 +91,8 @@ impl Seek for OutputFile {
 }
 
 fn send(spooled: &mut SpooledTempFile, name: &Path) -> io::Result<()> {
-    let mut stream = File::options().append(true).open(name)?;
+    let mut stream =
+        if is_standard(name) { standard_output()? } else { File::options().append(true).open(name)? };
     spooled.seek(SeekFrom::Start(0))?;
     io::copy(spooled, &mut stream).map(|_| ())
 }

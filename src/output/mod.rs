@@ -37,20 +37,23 @@ pub fn write_whole(
     file.finish()
 }
 
-/// Checks before a long computation that these files can be written, and that no two of them are one.
+/// Checks before a long computation that these files, each with its flag, can be written, and that no two of them are
+/// one.
 ///
 /// # Errors
-/// [`Error::File`] for the first file that cannot be written, or that has two names here.
-pub fn check<'a>(paths: impl Iterator<Item = &'a Path>) -> Result<(), Error> {
-    let mut checked: Vec<(&Path, Target)> = Vec::new();
-    for path in paths {
+/// [`Error::File`] for the first file that cannot be written, [`Error::Usage`] for one that two flags write.
+pub fn check<'a>(files: impl Iterator<Item = (&'static str, &'a Path)>) -> Result<(), Error> {
+    let mut checked: Vec<(&str, &Path, Target)> = Vec::new();
+    for (flag, path) in files {
         let target = Target::of(path)?;
-        if let Some((before, _)) = checked.iter().find(|(_, other)| other.is_same_file(&target)) {
-            let message = format!("this is the same file as '{}': one of them would be lost", before.display());
-            return Err(Error::file(path, message));
+        if let Some((other, name, _)) = checked.iter().find(|(.., other)| other.is_same_file(&target)) {
+            let (name, path) = (name.display(), path.display());
+            let message =
+                format!("-{other} {name} and -{flag} {path} are the same file: one of them would be lost");
+            return Err(Error::Usage(message));
         }
         target.check(path)?;
-        checked.push((path, target));
+        checked.push((flag, path, target));
     }
     Ok(())
 }

@@ -2,8 +2,9 @@
 
 use super::temporary::Temporary;
 use crate::error::Error;
+use crate::input::is_standard;
 use std::fs::{self, File, Permissions};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
 
 /// Where the name of a file leads.
@@ -15,6 +16,8 @@ pub enum Target {
         /// Those of the file that is replaced.
         permissions: Option<Permissions>,
     },
+    /// The name `-`.
+    StandardOutput,
     /// A device, a pipe, or a file that is open already (`/dev/stdout`). It is written into.
     Stream,
 }
@@ -26,6 +29,9 @@ impl Target {
     /// [`Error::File`] for a folder, a name in a folder that does not exist, and what the system refuses.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let refused = |error: io::Error| Error::io(path, "write this file", &error);
+        if is_standard(path) {
+            return Ok(Self::StandardOutput);
+        }
         match fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => Err(Error::file(path, "this is a folder")),
             Ok(metadata) if metadata.is_file() && !is_open_file(path) => {
@@ -40,9 +46,13 @@ impl Target {
         }
     }
 
-    /// Returns whether both lead to one file. Devices and pipes may be written into twice.
+    /// Returns whether both lead to one file or to standard output. Devices and pipes may be written into twice.
     pub fn is_same_file(&self, other: &Self) -> bool {
-        matches!((self, other), (Self::File { path: a, .. }, Self::File { path: b, .. }) if a == b)
+        match (self, other) {
+            (Self::File { path, .. }, Self::File { path: other, .. }) => path == other,
+            (Self::StandardOutput, Self::StandardOutput) => true,
+            _ => false,
+        }
     }
 
     /// Checks that the file can be written, without changing it. `name` is how the user calls it.
@@ -51,6 +61,9 @@ impl Target {
     /// [`Error::File`] if it cannot.
     pub fn check(&self, name: &Path) -> Result<(), Error> {
         let refused = |error: io::Error| Error::io(name, "write this file", &error);
+        if matches!(self, Self::StandardOutput) && io::stdout().is_terminal() {
+            return Err(Error::file(name, "standard output is a terminal: lead it into a file or a pipe"));
+        }
         let Self::File { path, permissions } = self else { return Ok(()) };
         let temporary = Temporary::beside(path).map_err(refused)?;
         let Some(permissions) = permissions else { return Ok(()) };
@@ -66,6 +79,20 @@ impl Target {
         }
         Ok(())
     }
+}
+
+/// Returns standard output as a file, without the buffer that Rust keeps for it.
+#[cfg(unix)]
+pub fn standard_output() -> io::Result<File> {
+    use std::os::fd::AsFd;
+    Ok(io::stdout().as_fd().try_clone_to_owned()?.into())
+}
+
+/// Returns standard output as a file, without the buffer that Rust keeps for it.
+#[cfg(windows)]
+pub fn standard_output() -> io::Result<File> {
+    use std::os::windows::io::AsHandle;
+    Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
 }
 
 /// Returns whether a name stands for a file that this process has open. Replacing the file would not reach whoever opened

@@ -197,7 +197,9 @@ impl Picture<'_> {
         self.tiles[tiles].par_iter().for_each_init(tracer, |tracer, tile| {
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
+                let before = tile.counts.total();
                 self.advance_tile(&mut **tracer, &mut tile, self.passes, goal);
+                self.progress.add_rays(tile.counts.total() - before);
                 self.progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, self.tiles.len());
             }
         });

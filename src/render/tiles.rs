@@ -14,6 +14,9 @@ const TILE: u32 = 16;
 pub trait Progress: Sync {
     /// `done` of `total` tiles are finished.
     fn advance(&self, done: usize, total: usize);
+
+    /// As many more rays were traced.
+    fn add_rays(&self, _count: u64) {}
 }
 
 /// A rectangle of pixels.

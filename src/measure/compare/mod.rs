@@ -50,9 +50,10 @@ pub fn compare_files(options: &CompareOptions) -> Result<Comparison, (Error, u8)
 
 /// Reads both pictures, after a check that what will be written is neither of them.
 fn read_both(options: &CompareOptions) -> Result<(Picture, Picture), Error> {
-    let files = || [&options.diff, &options.report].into_iter().flatten().map(|path| path.as_path());
-    output::check(files())?;
-    output::check_inputs(files(), [options.a.as_path(), &options.b])?;
+    let files = [("diff", options.diff.as_deref()), ("report", options.report.as_deref())];
+    let files = files.into_iter().filter_map(|(flag, path)| Some((flag, path?)));
+    output::check(files.clone())?;
+    output::check_inputs(files.map(|file| file.1), [options.a.as_path(), &options.b])?;
     Ok((Picture::read(&options.a)?, Picture::read(&options.b)?))
 }
 
