@@ -73,11 +73,20 @@ fn no_two_results_share_a_file() {
     folder.write("old.png", "old");
     symlink("old.png", folder.path("link.png")).unwrap();
     symlink(".", folder.path("here")).unwrap();
-    for (first, second) in
-        [("o.png", "./o.png"), ("here/o.png", "o.png"), ("old.png", "link.png"), ("link.png", "here/link.png")]
-    {
-        let arguments = format!("-input s.txt -output {first} -normals {second}");
-        must_be_refused(&folder, &arguments, &format!("{second}: this is the same file as '{first}'"));
+    let before = folder.files();
+    for (first, second) in [
+        ("-output o.png", "-normals o.png"),
+        ("-output o.png", "-normals ./o.png"),
+        ("-output here/o.png", "-error-map o.png"),
+        ("-output old.png", "-normals link.png"),
+        ("-normals link.png", "-error-map here/link.png"),
+        ("-output -", "-report -"),
+    ] {
+        let run = folder.a2(&format!("-input s.txt {first} {second} -output x.png {first}"));
+        assert_eq!(run.exit_code, 2, "{first} {second}: {}", run.stderr);
+        let message = format!("error: {first} and {second} are the same file: one of them would be lost\n");
+        assert!(run.stderr.starts_with(&message), "{message}{}", run.stderr);
+        assert_eq!(folder.files(), before);
     }
     assert_eq!(fs::read(folder.path("old.png")).unwrap(), b"old");
 }
@@ -147,4 +156,37 @@ fn results_that_cannot_be_printed_are_an_error() {
         assert_eq!(run.exit_code, 2, "{command}");
         assert!(run.stderr.contains("error: cannot write to standard output: No space left"), "{}", run.stderr);
     }
+}
+
+#[test]
+fn a_dash_is_standard_input_and_output() {
+    let folder = folder_with_scene();
+    let flags = "-size 31 17 -seed 7 -jitter";
+    assert_eq!(folder.a2(&format!("s.txt -output o.png {flags} -report r.json")).exit_code, 0);
+    for line in [
+        format!("a2 - -output - {flags} < s.txt > got.png"),
+        format!("a2 -input - -output - {flags} < s.txt | cat > got.png"),
+        format!("cat s.txt | a2 -output got.png -input - {flags}"),
+        format!("a2 s.txt -normals n.png -output - {flags} > got.png"),
+    ] {
+        let _ = fs::remove_file(folder.path("got.png"));
+        let run = shell(&folder, &line);
+        assert_eq!((run.exit_code, run.stderr.as_str(), run.stdout.as_str()), (0, "", ""), "{line}");
+        assert_eq!(fs::read(folder.path("got.png")).unwrap(), fs::read(folder.path("o.png")).unwrap(), "{line}");
+    }
+    let report = folder.a2(&format!("s.txt -output o.png {flags} -report -")).stdout;
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(
+        report["image"],
+        serde_json::from_slice::<serde_json::Value>(&fs::read(folder.path("r.json")).unwrap()).unwrap()["image"]
+    );
+    assert!(!folder.path("-").exists());
+    let run = shell(&folder, "echo 'Group { numObjects x }' | a2 - -output o.png");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.starts_with("error: standard input:1:20: expected a whole number"), "{}", run.stderr);
+    let run = shell(&folder, "a2 s.txt -output - > /dev/full");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.starts_with("error: -: cannot write the picture: No space left"), "{}", run.stderr);
+    // A name in the current folder, and not a flag.
+    assert_eq!(folder.a2("s.txt -output ./-.png").exit_code, 0);
 }
