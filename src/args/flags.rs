@@ -64,12 +64,7 @@ const PICTURES: &[Flag] = &[
         "Each number is from 0 to 1.",
     ),
     flag("normals", &["FILE"], "Picture of the surface normals, .png", "Red, green and blue are (n + 1)/2."),
-    flag(
-        "size",
-        &["W", "H"],
-        "Width and height in pixels [100 100]",
-        "Each is at most 65536, and all pixels together are at most 268435456.",
-    ),
+    flag("size", &["W", "H"], "Width and height in pixels [100 100]", "Each is at most 65536."),
     flag(
         "check",
         &[],

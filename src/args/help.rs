@@ -1,7 +1,7 @@
 //! The texts of `-h`, `-help` and `-version`, made of the table of flags when they are asked for.
 
 use super::flags::{Flag, GROUPS};
-use crate::options::{MAX_BOUNCES, MAX_PIXELS, MAX_SAMPLES, MAX_SIDE, MAX_THREADS};
+use crate::options::{MAX_BOUNCES, MAX_SAMPLES, MAX_SIDE, MAX_THREADS};
 use crate::simd::InstructionSet;
 
 /// Columns of a terminal.
@@ -91,8 +91,8 @@ pub(super) fn version() -> String {
          instruction sets  {names}; this processor runs {}\n\
          numbers           {numbers}\n\
          EXR pictures      {exr}\n\
-         limits            pictures of {MAX_SIDE} x {MAX_SIDE} and {MAX_PIXELS} pixels in all,\n\
-         {:18}{MAX_BOUNCES} bounces, {MAX_SAMPLES} samples a pixel, {MAX_THREADS} threads\n",
+         limits            pictures of {MAX_SIDE} x {MAX_SIDE} pixels, {MAX_BOUNCES} bounces,\n\
+         {:18}{MAX_SAMPLES} samples a pixel, {MAX_THREADS} threads\n",
         env!("CARGO_PKG_VERSION"),
         env!("A2_COMMIT"),
         env!("A2_TARGET"),

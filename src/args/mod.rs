@@ -65,7 +65,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         return Err(unlike("input", &["txt"], &input));
     }
     let side = |index| {
-        let expected = format!("two whole numbers from 1 to {MAX_SIDE}, at most {MAX_PIXELS} pixels in all");
+        let expected = format!("two whole numbers from 1 to {MAX_SIDE}");
         typed.number("size", index, &expected, |n: &u32| (1..=MAX_SIDE).contains(n))
     };
     let bounces = format!("a whole number from 0 to {MAX_BOUNCES}");

@@ -165,7 +165,7 @@ impl<'a> Bands<'a> {
             }
             let Some(band) = &band else { break };
             let rendered = render.get_or_insert_with(renderer)(&self.tiles.tile(number));
-            progress.add_rays(rendered.counts.total());
+            progress.add_rays(rendered.cost.counts.total());
             *locked(&band.tiles[column]) = Some(rendered);
             let finished = self.finished_tiles.fetch_add(1, Ordering::Relaxed) + 1;
             progress.advance(finished, self.tiles.count());

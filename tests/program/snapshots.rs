@@ -1,10 +1,11 @@
-//! Snapshot tests of the texts for the user: `-help`, `-explain`, `-stats`.
+//! Snapshot tests of the texts for the user: `-h`, `-help`, `-explain`, `-stats`.
 //!
 //! Texts must equal the files in `tests/snapshots/`. After a change that is meant, run the tests with
 //! `A2_WRITE_SNAPSHOTS=1`, which writes the files (and fails), look at the difference, and run the tests again.
 
 use crate::numbers::instruction_sets;
 use crate::support::{Folder, project};
+use std::path::Path;
 
 /// Replaces numbers by `#`, whatever their width; words that contain digits stay.
 fn masked(text: &str) -> String {
@@ -46,13 +47,17 @@ fn number_length(text: &str) -> usize {
 
 /// Compares a text with the file `tests/snapshots/NAME.txt`.
 fn holds(name: &str, text: &str) {
-    let path = project("tests/snapshots").join(format!("{name}.txt"));
+    holds_at(&project("tests/snapshots").join(format!("{name}.txt")), text);
+}
+
+/// Compares a text with a file.
+pub fn holds_at(path: &Path, text: &str) {
     if std::env::var_os("A2_WRITE_SNAPSHOTS").is_some() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, text).unwrap();
+        std::fs::write(path, text).unwrap();
         panic!("{} is written: look at it, and run again without A2_WRITE_SNAPSHOTS", path.display());
     }
-    let snapshot = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let snapshot = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     if snapshot == text {
         return;
     }
@@ -83,6 +88,11 @@ fn said(flags: &str) -> String {
 #[test]
 fn help() {
     holds("help", &Folder::new().a2("-help").stdout);
+}
+
+#[test]
+fn help_on_a_screen() {
+    holds("help_screen", &Folder::new().a2("-h").stdout);
 }
 
 #[test]
