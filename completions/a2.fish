@@ -22,7 +22,7 @@ avx2\t''
 avx512\t''"
 complete -c a2 -o max-memory -d 'Refuse what needs more memory, as in 500M' -r -f
 complete -c a2 -o compare -d 'Compare two pictures instead of rendering' -r -F
-complete -c a2 -o diff -d 'Picture of the differences, .png' -r -F
+complete -c a2 -o diff -d 'A, B and their differences side by side, .png' -r -F
 complete -c a2 -o tolerance -d 'What counts as alike [1 0.01]' -r -f
 complete -c a2 -o check -d 'Read all files and find mistakes, render nothing'
 complete -c a2 -o shadows -d 'A light is blocked by what stands before it'
