@@ -43,10 +43,10 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error>
     let command = command(&argv);
     let matches = command.try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
     let typed = Typed(&matches);
-    let texts: [(&str, fn() -> String); 3] =
-        [("h", help::screen), ("help", help::page), ("version", help::version)];
-    if let Some((_, text)) = texts.into_iter().find(|(flag, _)| typed.has(flag)) {
-        return Ok(Request::Print(text()));
+    for (flag, text) in [("h", help::screen as fn() -> String), ("help", help::page), ("version", help::version)] {
+        if typed.has(flag) {
+            return Ok(Request::Print(text()));
+        }
     }
     if typed.has("compare") {
         return compare_options(&typed).map(Request::Compare);
