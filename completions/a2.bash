@@ -23,7 +23,7 @@ _a2() {
 
     case "${cmd}" in
         a2)
-            opts="-input -output -depth -normals -size -check -bounces -shadows -jitter -samples -sampler -filter -epsilon -robust -seed -stats -report -reference -error-map -convergence -target-error -time-limit -explain -threads -simd -plain -max-memory -quiet -compare -diff -tolerance -h -help -version"
+            opts="-input -output -depth -depth-background -normals -size -check -bounces -shadows -jitter -samples -sampler -filter -epsilon -robust -seed -stats -report -reference -error-map -convergence -target-error -time-limit -pixel -cost -explain -threads -simd -plain -max-memory -quiet -compare -diff -tolerance -h -help -version"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -60,6 +60,21 @@ _a2() {
                     return 0
                     ;;
                 -depth)
+                    local oldifs
+                    if [ -n "${IFS+x}" ]; then
+                        oldifs="$IFS"
+                    fi
+                    IFS=$'\n'
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    if [ -n "${oldifs+x}" ]; then
+                        IFS="$oldifs"
+                    fi
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o filenames
+                    fi
+                    return 0
+                    ;;
+                -depth-background)
                     local oldifs
                     if [ -n "${IFS+x}" ]; then
                         oldifs="$IFS"
@@ -202,6 +217,28 @@ _a2() {
                     COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                -pixel)
+                    COMPREPLY=("${cur}")
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                -cost)
+                    local oldifs
+                    if [ -n "${IFS+x}" ]; then
+                        oldifs="$IFS"
+                    fi
+                    IFS=$'\n'
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    if [ -n "${oldifs+x}" ]; then
+                        IFS="$oldifs"
+                    fi
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o filenames
                     fi
                     return 0
                     ;;

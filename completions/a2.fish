@@ -1,6 +1,7 @@
 complete -c a2 -o input -d 'Scene to read, .txt; the flag may be left out' -r -F
 complete -c a2 -o output -d 'Colour picture: .png, or numbers: .pfm, .exr' -r -F
-complete -c a2 -o depth -d 'Grey picture of the distance, .png' -r -F
+complete -c a2 -o depth -d 'Grey picture of the distance, .png; or auto FILE' -r -F
+complete -c a2 -o depth-background -d 'Its colour where nothing is hit [0 0 0]' -r -F
 complete -c a2 -o normals -d 'Picture of the surface normals, .png' -r -F
 complete -c a2 -o size -d 'Width and height in pixels [100 100]' -r -f
 complete -c a2 -o bounces -d 'Mirror reflections one after another [0]' -r -f
@@ -16,6 +17,8 @@ complete -c a2 -o error-map -d 'Picture of the estimated error, .png' -r -F
 complete -c a2 -o convergence -d 'Error against time: .svg, .html or .csv' -r -F
 complete -c a2 -o target-error -d 'Sample where needed until the error is below' -r -f
 complete -c a2 -o time-limit -d 'Stop in time with the best picture so far' -r -f
+complete -c a2 -o pixel -d 'Print how this pixel gets its colour' -r -f
+complete -c a2 -o cost -d 'Picture of what each pixel takes, .png' -r -F
 complete -c a2 -o threads -d 'Worker threads [one for each processor]' -r -f
 complete -c a2 -o simd -d 'Instruction set: sse2, avx2 or avx512 [the best]' -r -f -a "sse2\t''
 avx2\t''

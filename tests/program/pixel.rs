@@ -159,7 +159,7 @@ fn a_pixel_that_is_none_is_refused() {
         ("-pixel 0 0 -pixel 0 7.5", "0 7 lies beyond"),
         ("-pixel -1 0", "expected a number from 0, found '-1'"),
         ("-pixel 0 nan", "expected a number from 0, found 'nan'"),
-        ("-pixel 3", "-pixel needs 2 value(s): -pixel X Y"),
+        ("-pixel 3", "-pixel needs 2 values: -pixel X Y"),
         ("-pixel 3 2 -output o.png -target-error 4", "does not go with -target-error"),
     ] {
         let run = folder.a2(&format!("-input s.txt -size 5 5 {flags}"));
