@@ -3,6 +3,7 @@
 //! Mistakes that need arithmetic or another file to be found are reported here, at their place in the scene file.
 
 use super::copies::{KnownFiles, remove_copies};
+use super::hidden::remove_hidden;
 use super::hints::Hints;
 use super::lights::lights;
 use super::mistakes::with_other_mistakes;
@@ -99,13 +100,18 @@ fn compile_as_far_as_right(
         left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
     }
     // Places are those of all objects.
-    let looks_for_copies = objects.len() > LOOP_OBJECTS && !plan.places;
-    let copies = if looks_for_copies { remove_copies(&mut objects) } else { 0 };
+    let leaves_out = objects.len() > LOOP_OBJECTS && !plan.places;
+    let copies = if leaves_out { remove_copies(&mut objects) } else { 0 };
     if copies > 0 {
         left_out.push(format!(
             "{}: an equal one at the same place comes first in the file",
             counted(copies, "object")
         ));
+    }
+    let hidden = if leaves_out { remove_hidden(&mut objects, camera.center, &lights, plan) } else { 0 };
+    if hidden > 0 {
+        let what = counted(hidden, "object");
+        left_out.push(format!("{what}: inside a sphere, with the eye and all lights outside of it"));
     }
     // Shadow and mirror rays may go anywhere, and the trees that only these meet are built when they do.
     let is_in_picture = |object: &Object| object.bounds.as_ref().is_none_or(|bounds| camera.may_see(bounds));

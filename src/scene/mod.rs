@@ -6,6 +6,7 @@
 mod compile;
 mod copies;
 mod geometry;
+mod hidden;
 mod hints;
 mod lights;
 mod mistakes;

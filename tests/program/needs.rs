@@ -1,6 +1,6 @@
 //! A scene pays only for what it needs: the work that the plan leaves out is really not done.
 
-use crate::support::{Folder, SCENE, SQUARE_OBJ, TRIANGLE, options, project};
+use crate::support::{Folder, LIGHT, SCENE, SQUARE_OBJ, TRIANGLE, options, project};
 use a2::measure::Report;
 use a2::memory::Budget;
 
@@ -194,6 +194,46 @@ fn equal_objects_at_one_place_are_one() {
     folder.write("s.txt", scene(&many, 2000));
     let said = left_out(&folder, "-output o.png");
     assert!(said.contains("1999 objects: an equal one at the same place comes first"), "{said}");
+}
+
+#[test]
+fn what_a_sphere_hides_is_left_out() {
+    let folder = Folder::new();
+    // Small ones first, because the first object counts at equal t.
+    let shells: String =
+        (1..=500).map(|i| format!("Sphere {{ center 0 0 0 radius {} }} ", i as f64 / 200.0)).collect();
+    let inside = "MaterialIndex 1 Triangle { vertex0 0 0 1 vertex1 1 0 1 vertex2 0 1 1 } ";
+    let crossing = "MaterialIndex 1 Triangle { vertex0 -3 0 2 vertex1 1 0 2 vertex2 0 1 2 } ";
+    let materials =
+        "numMaterials 2 Material { diffuseColor 1 0.5 0 } Material { diffuseColor 0 1 0 specularColor 1 1 1 }";
+    let scene = |objects: &str, count: usize| {
+        let scene = SCENE.replace("numMaterials 1 Material { }", materials).replace(TRIANGLE, objects);
+        scene.replace("numObjects 1", &format!("numObjects {count}"))
+    };
+    let outer = format!("Sphere {{ center 0 0 0 radius 2.5 }} {crossing}");
+    let all = format!("{shells}{inside}{crossing}");
+    let flags = "-size 60 60 -shadows";
+    assert!(folder.render(&scene(&all, 502), flags) == folder.render(&scene(&outer, 2), flags));
+    let point_light = |at: &str| format!("PointLight {{ position {at} color 1 1 1 falloff 0.1 }}");
+    for (change, arguments, hidden) in [
+        (("", String::new()), "", 500),
+        (("", String::new()), "-shadows", 500),
+        ((LIGHT, point_light("5 5 5")), "-shadows", 500),
+        // The light is inside of most shells, but outside of the 15th, which hides those in it.
+        ((LIGHT, point_light("0 0 0.1")), "-shadows", 14),
+        ((LIGHT, point_light("0 0 0.1")), "", 500),
+        // Mirror rays may begin inside.
+        (("", String::new()), "-bounces 1", 0),
+        // The eye is inside of seven shells; 492 and the triangle are inside of the next one.
+        (("center 0 0 10", "center 0 0 2.467".to_owned()), "", 493),
+    ] {
+        let text = scene(&all, 502);
+        folder.write("s.txt", if change.0.is_empty() { text } else { text.replace(change.0, &change.1) });
+        let said = left_out(&folder, &format!("-output o.png {arguments}"));
+        let expected = format!("{hidden} objects: inside a sphere, with the eye");
+        assert_eq!(said.contains("inside a sphere"), hidden > 0, "{change:?} {arguments}: {said}");
+        assert!(hidden == 0 || said.contains(&expected), "{change:?} {arguments}: {said}");
+    }
 }
 
 #[test]
