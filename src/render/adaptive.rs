@@ -1,8 +1,9 @@
 //! Adaptive sampling: passes over the whole picture until a target error or a time limit is reached.
 //!
 //! The samples of a pixel are two halves, from which its error is estimated (see [`spread`](super::spread)): of one Sobol
-//! sequence, or two sets of another sampler. With a target error, the [`pilot`] decides how many samples each pixel
-//! gets (see [`allocation`](super::allocation)); its rays are not part of the picture. Only the error of the whole
+//! sequence, or two sets of another sampler. With a target error, two samples a pixel are taken first. If that is not
+//! enough, the [`pilot`] and the samples of its neighbours decide how many more each pixel gets (see
+//! [`allocation`](super::allocation)); the pilot's rays are not part of the picture. Only the error of the whole
 //! picture decides when to stop: what the samples say, what the pilot says, and what no ray can have met. So no pixel
 //! is biased by its own samples, but for its small share in the error of the whole.
 
@@ -23,23 +24,22 @@ use super::tiles::{Progress, Tile, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use super::uniform::RAYS_AT_ONCE;
 use super::unseen::Unseen;
+use crate::camera::Place;
 use crate::film::{Film, Planes};
 use crate::options::{Options, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::scene::Scene;
 use crate::timing::{Deadline, Stopwatch};
+use crate::trace::Seen;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Number of the preview's sample set. The sets of the picture's halves begin at 0 and never get this far.
 const PREVIEW_SET: u32 = 1 << 30;
-
-/// Number of tiles whose part of the picture is in memory twice: so many that all threads have work for long.
-const FINISHED_AT_ONCE: usize = 1024;
 
 /// Renders until the target error is reached, or until there is just enough time left before `limit` to write the
 /// picture. The picture is complete in any case.
@@ -52,7 +52,6 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, pr
         SamplerKind::Sobol => (SetKind::Sequences, Halves::OfSequence),
         SamplerKind::Independent | SamplerKind::Stratified => (SetKind::Independent, Halves::Independent),
     };
-    let making = Instant::now();
     let mut picture = Picture {
         scene,
         plan,
@@ -66,10 +65,9 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, pr
         progress,
         passes: 0,
         pilot: None,
-        finishing: Finishing::default(),
+        finishing: Finishing::new(limit.is_set()),
     };
     let render_preview = || Preview::render(scene, plan, options, &maker, PREVIEW_SET);
-    picture.finishing.making = making.elapsed();
     let preview = limit.is_set().then(render_preview);
     match options.measure.target_error {
         Some(levels) => picture.sample_to_error(levels),
@@ -78,6 +76,22 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, pr
     // Without a time limit it is only needed after an interrupt.
     let preview = preview.or_else(|| limit.is_over().then(render_preview));
     picture.finish(preview)
+}
+
+/// With two samples a pixel, a squared error of more than so many times the target's is far from it: then the pilot's
+/// ray a pixel saves more than it costs. Else the samples of a pixel's neighbours say where more are needed.
+const FAR: f64 = 8.0;
+
+/// The share of the target's squared error that is aimed at by the later passes, which know more.
+const LATER_MARGIN: f64 = 0.9;
+
+/// Vectors that each thread keeps: pixels that need samples, their sets, where these lie, and what is seen there.
+#[derive(Default)]
+struct Scratch {
+    wanted: Vec<Wanted>,
+    parts: Vec<SetPart>,
+    places: Vec<Place>,
+    seen: Vec<Seen>,
 }
 
 /// A picture that is being rendered.
@@ -116,46 +130,53 @@ impl Picture<'_> {
         if !self.pass(|_| 2) || self.estimate().is_none_or(|estimate| estimate.with_unseen() <= levels) {
             return;
         }
-        let tracer = || tracer(self.scene, self.plan, self.deadline);
-        let size = (self.options.width, self.options.height);
-        let Some((variances, counts)) = pilot::variances(size, self.maker, self.empty, tracer) else { return };
-        self.pilot = Some(counts);
-        let order = self.options.measure.sampler.convergence_order();
-        let mut allocation = Allocation::new(&variances, self.options.width as usize, order);
-        // What the first samples say of the model is rough, so they must not ask for too many more.
-        let mut margin = 1.5;
+        let Some(part) = self.part_with_objects() else { return };
+        let (width, order) = (part.width as usize, self.options.measure.sampler.convergence_order());
+        let pixels = u64::from(self.options.width) * u64::from(self.options.height);
+        let mut allocation = Allocation::new(pixels, order);
+        let is_far = self.estimate().is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim);
+        if is_far {
+            let tracer = || tracer(self.scene, self.plan, self.deadline);
+            let Some((variances, counts)) = pilot::variances(part, self.maker, self.empty, tracer) else { return };
+            self.pilot = Some(counts);
+            allocation.set_pilot(&variances, width);
+        }
+        // What the first samples say of the model is rough. If it asks for many more, that may be too many.
+        let mut margin = if is_far { 1.5 } else { 0.8 };
         loop {
             let Some(estimate) = self.estimate() else { return };
-            allocation.calibrate(estimate.seen.powi(2));
-            if self.passes > 1 {
-                if allocation.expected() + estimate.expected_unseen() <= aim {
-                    return;
-                }
-                allocation.refine(&self.sample_variances(order), size.0 as usize);
-                allocation.calibrate(estimate.seen.powi(2));
-            }
-            let pixels = u64::from(size.0) * u64::from(size.1);
-            let unseen = |floor: u32| Unseen { samples: floor + 1, pixels };
-            if !allocation.raise(aim, margin, unseen) || !self.pass(|pixel| allocation.goal(pixel)) {
+            let measured = estimate.seen.powi(2);
+            allocation.calibrate(measured);
+            if self.passes > 1 && allocation.expected() + estimate.expected_unseen() <= aim {
                 return;
             }
-            margin = 0.95;
+            if self.passes > 1 || !is_far {
+                allocation.refine(&self.sample_variances(part, order), width);
+                allocation.calibrate(measured);
+            }
+            let unseen = |floor: u32| Unseen { samples: floor + u32::from(is_far), pixels };
+            let is_more = allocation.raise(aim, margin, unseen) || allocation.raise(aim, LATER_MARGIN, unseen);
+            if !is_more || !self.pass(|pixel| allocation.goal(part.index_of(pixel))) {
+                return;
+            }
+            margin = LATER_MARGIN;
         }
     }
 
-    /// Returns the variance of a sample of each pixel in squared levels, by its own samples.
-    fn sample_variances(&self, order: f64) -> Vec<f32> {
-        let width = self.options.width as usize;
-        let mut variances = vec![0.0; width * self.options.height as usize];
+    /// Returns the smallest rectangle with all tiles that are not empty; `None` if all are.
+    fn part_with_objects(&self) -> Option<Tile> {
+        let tiles = self.tiles.iter().filter_map(|tile| tile.lock().ok().filter(|tile| !tile.is_empty));
+        tiles.map(|tile| tile.tile).reduce(|a, b| a.union(&b))
+    }
+
+    /// Returns the variance of a sample of each pixel of a part of the picture in squared levels, by its own samples.
+    fn sample_variances(&self, part: Tile, order: f64) -> Vec<f32> {
+        let mut variances = vec![0.0; (part.width * part.height) as usize];
         let powers: Vec<f32> = (0..32).map(|power| (order * f64::from(power)).exp2() as f32).collect();
-        for tile in self.tiles.iter().filter_map(|tile| tile.lock().ok()) {
-            let rows =
-                tile.variances.chunks(tile.tile.width as usize).zip(tile.samples.chunks(tile.tile.width as usize));
-            for (row, (errors, samples)) in (tile.tile.row as usize..).zip(rows) {
-                let first = row * width + tile.tile.x as usize;
-                for ((variance, error), samples) in variances[first..].iter_mut().zip(errors).zip(samples) {
-                    *variance = error * powers[samples.checked_ilog2().unwrap_or(0) as usize];
-                }
+        for tile in self.tiles.iter().filter_map(|tile| tile.lock().ok()).filter(|tile| !tile.is_empty) {
+            for (index, pixel) in tile.tile.pixels().enumerate() {
+                let power = tile.samples(index).checked_ilog2().unwrap_or(0) as usize;
+                variances[part.index_of(pixel)] = tile.variance(index) * powers[power];
             }
         }
         variances
@@ -163,10 +184,7 @@ impl Picture<'_> {
 
     /// Returns the estimated error of the pixels that have samples; `None` if there are none.
     fn estimate(&self) -> Option<ErrorEstimate> {
-        let least = |tile: &Mutex<TileSamples>| {
-            let tile = tile.lock().ok().filter(|tile| !tile.is_empty)?;
-            tile.samples.iter().copied().filter(|&samples| samples > 0).min()
-        };
+        let least = |tile: &Mutex<TileSamples>| tile.lock().ok()?.fewest();
         let least = self.tiles.par_iter().filter_map(least).min().unwrap_or(2);
         self.errors().estimate(self.kind, least + u32::from(self.pilot.is_some()))
     }
@@ -177,7 +195,7 @@ impl Picture<'_> {
 
     /// Takes samples until every pixel has `goal` of them. Returns false if there was no time for all, or is none for
     /// more.
-    fn pass(&mut self, goal: impl Fn(usize) -> u32 + Sync) -> bool {
+    fn pass(&mut self, goal: impl Fn((u32, u32)) -> u32 + Sync) -> bool {
         let tried = tried(self.tiles.len());
         if self.passes == 0 && self.limit.is_set() && !self.is_late() {
             // What a few tiles with samples say is true of all.
@@ -191,14 +209,14 @@ impl Picture<'_> {
     }
 
     /// Takes samples in some tiles.
-    fn advance_tiles(&mut self, tiles: Range<usize>, goal: &(impl Fn(usize) -> u32 + Sync)) {
+    fn advance_tiles(&mut self, tiles: Range<usize>, goal: &(impl Fn((u32, u32)) -> u32 + Sync)) {
         let (done, watch) = (AtomicUsize::new(0), Stopwatch::start());
-        let tracer = || tracer(self.scene, self.plan, self.deadline);
-        self.tiles[tiles].par_iter().for_each_init(tracer, |tracer, tile| {
+        let tracer = || (tracer(self.scene, self.plan, self.deadline), Scratch::default());
+        self.tiles[tiles].par_iter().for_each_init(tracer, |(tracer, scratch), tile| {
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let (false, Ok(mut tile)) = (self.is_late(), tile.lock()) {
                 let before = tile.counts.total();
-                self.advance_tile(&mut **tracer, &mut tile, self.passes, goal);
+                self.advance_tile(&mut **tracer, scratch, &mut tile, goal);
                 self.progress.add_rays(tile.counts.total() - before);
                 self.progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, self.tiles.len());
             }
@@ -221,55 +239,55 @@ impl Picture<'_> {
     fn advance_tile(
         &self,
         tracer: &mut dyn Tracer,
+        Scratch { wanted, parts, places, seen }: &mut Scratch,
         tile: &mut TileSamples,
-        pass: u32,
-        goal: &(impl Fn(usize) -> u32 + Sync),
+        goal: &(impl Fn((u32, u32)) -> u32 + Sync),
     ) {
         if tile.is_empty {
             return self.fill_tile(tracer, tile);
         }
-        let width = self.options.width as usize;
-        let wanted = tile.pixels_below(|(x, row)| goal(row as usize * width + x as usize));
-        let (mut parts, mut places, mut seen) = (Vec::new(), Vec::new(), Vec::new());
+        tile.pixels_below(goal, wanted);
+        if wanted.is_empty() {
+            return;
+        }
+        tile.make_room();
         let mut waiting = wanted.as_slice();
         while !waiting.is_empty() && !self.is_late() {
             parts.clear();
             let (mut taken, mut rays) = (0, 0);
             while taken < waiting.len() && rays < RAYS_AT_ONCE {
-                self.add_parts(&waiting[taken], pass, &mut parts);
+                self.add_parts(&waiting[taken], parts);
                 rays += waiting[taken].samples.len();
                 taken += 1;
             }
-            self.maker.set_places_of(&parts, &mut places);
+            self.maker.set_places_of(parts, places);
             // Paths that were cut short have lost light.
-            if !tracer.trace(self.maker.grid, &places, &mut seen) {
+            if !tracer.trace(self.maker.grid, places, seen) {
                 break;
             }
             let mut rest = seen.as_slice();
             for wanted in &waiting[..taken] {
                 let (own, others) = rest.split_at(wanted.samples.len());
-                tile.add(wanted, own, |seen| self.maker.displayed(seen).sanitized());
+                tile.add(wanted, own, |seen| self.maker.displayed(seen));
                 rest = others;
             }
             waiting = &waiting[taken..];
         }
         tile.counts += tracer.take_counts();
-        if !wanted.is_empty() {
-            tile.update_errors();
-        }
+        tile.update_errors();
     }
 
     /// Fills a tile through which nothing but a background of one colour is seen: one ray shows it.
     fn fill_tile(&self, tracer: &mut dyn Tracer, tile: &mut TileSamples) {
-        if tile.samples[0] == 0 {
+        if tile.samples(0) == 0 {
             let seen = self.empty.seen_through(&tile.tile, tracer);
-            tile.fill(&self.maker.displayed(&seen).sanitized());
+            tile.fill(self.maker.displayed(&seen).sanitized());
             tile.counts += tracer.take_counts();
         }
     }
 
     /// Adds the parts of sets of a pixel's wanted samples: of independent halves first that of the first one.
-    fn add_parts(&self, wanted: &Wanted, pass: u32, parts: &mut Vec<SetPart>) {
+    fn add_parts(&self, wanted: &Wanted, parts: &mut Vec<SetPart>) {
         let (sampler, Range { start, end }) = (self.options.measure.sampler, wanted.samples.clone());
         let part = |set, first, count| {
             let pattern = SamplePattern::new(sampler, first + count);
@@ -280,7 +298,7 @@ impl Picture<'_> {
             SamplerKind::Sobol => parts.push(part(0, start, end - start)),
             SamplerKind::Independent => parts.extend([0, 1].map(|set| part(set, start / 2, half))),
             // A stratified set cannot be extended, so every pass begins new sets.
-            SamplerKind::Stratified => parts.extend([0, 1].map(|set| part(2 * pass + set, 0, half))),
+            SamplerKind::Stratified => parts.extend([0, 1].map(|set| part(2 * self.passes + set, 0, half))),
         }
     }
 
@@ -292,23 +310,23 @@ impl Picture<'_> {
     fn finish(self, preview: Option<Preview>) -> Frame {
         let estimate = self.estimate();
         let planes = Planes::wanted_by(self.options);
-        let mut film = Film::new(self.options.width, self.options.height, planes);
+        let film = Film::new(self.options.width, self.options.height, planes);
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         counts += self.pilot.unwrap_or_default();
-        let mut samples = SampleCounts { passes: self.passes, ..SampleCounts::default() };
-        let mut tiles = self.tiles.into_iter();
-        while tiles.len() > 0 {
-            let some: Vec<_> = tiles.by_ref().take(FINISHED_AT_ONCE).collect();
-            let finished = some.into_par_iter().map(|tile| {
-                let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
-                (film_of(&tile, preview.as_ref(), planes), tile)
-            });
-            for (tile_film, tile) in finished.collect::<Vec<_>>() {
+        let samples = SampleCounts { passes: self.passes, ..SampleCounts::default() };
+        let whole = Mutex::new((film, counts, samples));
+        self.tiles.into_par_iter().for_each(|tile| {
+            let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let tile_film = film_of(&tile, preview.as_ref(), planes);
+            // A poisoned lock means that another thread has panicked; that panic will be reported.
+            if let Ok(mut whole) = whole.lock() {
+                let (film, counts, samples) = &mut *whole;
                 film.place(tile.tile.x, tile.tile.row, &tile_film);
-                tile.samples.iter().for_each(|&count| samples.add_pixels(1, count));
-                counts += tile.counts;
+                tile.count_samples(samples);
+                *counts += tile.counts;
             }
-        }
+        });
+        let (mut film, counts, samples) = whole.into_inner().unwrap_or_else(PoisonError::into_inner);
         if let (Some(variances), Some(estimate)) = (&mut film.variances, &estimate) {
             *variances = error_map::finished(variances, self.options.width as usize, 1.0, estimate);
         }
@@ -325,14 +343,17 @@ impl Picture<'_> {
 /// Turns the samples of a tile into its part of the picture. Pixels without samples show the preview.
 fn film_of(tile: &TileSamples, preview: Option<&Preview>, planes: Planes) -> Film {
     let pixel = |(index, pixel)| match preview {
-        Some(preview) if tile.samples[index] == 0 => preview.pixel(pixel),
+        Some(preview) if tile.samples(index) == 0 => preview.pixel(pixel),
         _ => tile.mean(index),
     };
-    let pixels: Vec<Pixel> = tile.tile.pixels().enumerate().map(pixel).collect();
+    let pixels: Vec<Pixel> = match tile.filled {
+        Some(pixel) => vec![pixel; tile.pixels()],
+        None => tile.tile.pixels().enumerate().map(pixel).collect(),
+    };
     let mut film = Film::new(tile.tile.width, tile.tile.height, planes);
     store(&pixels, &mut film);
     if planes.error_map {
-        film.set_variances(tile.variances.iter().copied());
+        film.set_variances((0..pixels.len()).map(|index| tile.variance(index)));
     }
     film
 }

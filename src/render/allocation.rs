@@ -1,9 +1,10 @@
 //! [`Allocation`]: how many samples each pixel needs for the whole picture to reach a target error.
 //!
-//! In: the variance within each pixel, as the *pilot* rays show it (see [`pilot`](super::pilot)). Out: a number of samples
-//! for each pixel, most where they help most. The pilot rays are no part of the picture. If they were, or if each
-//! pixel's own samples decided when it stops, a pixel whose first samples happen to agree would keep only these, and the
-//! picture would be biased (Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH 1991).
+//! In: the variance within each pixel, as the *pilot* rays (see [`pilot`](super::pilot)) or the samples of its neighbours
+//! show it. Out: a number of samples for each pixel, most where they help most. The pilot rays are no part of the
+//! picture. If they were, or if each pixel's own samples decided when it stops, a pixel whose first samples happen to
+//! agree would keep only these, and the picture would be biased (Kirk and Arvo, Unbiased Sampling Techniques for Image
+//! Synthesis, SIGGRAPH 1991).
 //!
 //! The model: with n samples the squared error of a pixel is s^2 / n^b, where s^2 is the pixel's variance and b the
 //! sampler's [`convergence_order`](crate::options::SamplerKind::convergence_order). For a
@@ -39,11 +40,15 @@ pub struct Allocation {
     /// The steps that pixels have.
     classes: Vec<Class>,
     order: f64,
-    /// The variance of each pixel by the pilot.
+    /// Pixels of the whole picture. All others are exact.
+    pixels: f64,
+    /// The variance of each pixel by the pilot; empty without one.
     pilot: Vec<f32>,
     /// The measured error divided by the error of the model.
     calibration: f64,
     goals: Goals,
+    /// The number of samples of each step.
+    samples_of_step: Vec<u32>,
 }
 
 /// The pixels with the same weight.
@@ -74,16 +79,26 @@ impl Goals {
 }
 
 impl Allocation {
-    /// Makes an allocation from the variance of a sample in each pixel, in squared levels, as the pilot saw it; rows of
-    /// `width`. `order` is the convergence order.
-    pub fn new(variances: &[f32], width: usize, order: f64) -> Self {
-        let goals = Goals { scale: -256, floor: *POWERS.start() };
+    /// Makes an allocation for a picture of so many pixels. `order` is the convergence order. What it is told of pixels,
+    /// by [`set_pilot`](Self::set_pilot) or [`refine`](Self::refine), is of a part of them: all others are exact.
+    pub fn new(pixels: u64, order: f64) -> Self {
+        Self {
+            steps: Vec::new(),
+            classes: Vec::new(),
+            order,
+            pixels: pixels as f64,
+            pilot: Vec::new(),
+            calibration: 1.0,
+            goals: Goals { scale: -256, floor: *POWERS.start() },
+            samples_of_step: Vec::new(),
+        }
+    }
+
+    /// Takes the variance of a sample in each pixel, in squared levels, as a pilot saw it; rows of `width`.
+    pub fn set_pilot(&mut self, variances: &[f32], width: usize) {
         let pilot = pooled(variances, width);
-        let mut allocation =
-            Self { steps: Vec::new(), classes: Vec::new(), order, pilot: Vec::new(), calibration: 1.0, goals };
-        allocation.set_variances(&pilot);
-        allocation.pilot = pilot;
-        allocation
+        self.set_variances(&pilot);
+        self.pilot = pilot;
     }
 
     /// Takes the samples of each pixel's neighbours into account: `variances` of a sample by each pixel's own samples.
@@ -111,9 +126,9 @@ impl Allocation {
         self.classes = pixels.iter().enumerate().filter(|step| *step.1 > 0).map(class).collect();
     }
 
-    /// Returns the number of samples of a pixel.
+    /// Returns the number of samples of a pixel, once [`raise`](Self::raise) has decided it.
     pub fn goal(&self, pixel: usize) -> u32 {
-        1 << self.goals.power(i32::from(self.steps[pixel]))
+        self.samples_of_step[usize::from(self.steps[pixel])]
     }
 
     /// Returns the mean squared error of the model in squared levels, by the calibration so far.
@@ -125,7 +140,7 @@ impl Allocation {
         let error: Vec<f64> = (0..=*POWERS.end()).map(|power| (-self.order * f64::from(power)).exp2()).collect();
         let sum: f64 =
             self.classes.iter().map(|class| class.variance * error[goals.power(class.step) as usize]).sum();
-        sum / self.steps.len() as f64
+        sum / self.pixels
     }
 
     /// Returns the sum of all goals.
@@ -151,7 +166,10 @@ impl Allocation {
         let best = goals.min_by(|a, b| self.samples(*a).total_cmp(&self.samples(*b)));
         let goals = best.unwrap_or(Goals { floor: *POWERS.end(), ..self.goals });
         let is_more = self.samples(goals) > self.samples(self.goals);
-        self.goals = goals;
+        if is_more {
+            self.goals = goals;
+            self.samples_of_step = (0..256).map(|step| 1 << goals.power(step)).collect();
+        }
         is_more
     }
 
@@ -181,6 +199,12 @@ mod tests {
         Unseen { samples, pixels: u64::MAX }
     }
 
+    fn with_pilot(variances: &[f32], width: usize, order: f64) -> Allocation {
+        let mut allocation = Allocation::new(variances.len() as u64, order);
+        allocation.set_pilot(variances, width);
+        allocation
+    }
+
     #[test]
     fn goals_are_rounded_to_the_nearest_power_of_two() {
         let goals = Goals { scale: 0, floor: 1 };
@@ -195,7 +219,7 @@ mod tests {
     fn noisy_pixels_get_most_and_their_neighbours_some() {
         let mut variances = vec![0.0; 49];
         variances[24] = 10_000.0;
-        let mut allocation = Allocation::new(&variances, 7, 1.5);
+        let mut allocation = with_pilot(&variances, 7, 1.5);
         assert!(allocation.raise(1.0, 1.0, nothing));
         assert!(allocation.expected() <= 1.0);
         assert!(allocation.goal(24) > allocation.goal(25));
@@ -205,7 +229,7 @@ mod tests {
 
     #[test]
     fn calibration_with_a_larger_error_gives_more_samples() {
-        let mut allocation = Allocation::new(&[100.0; 16], 4, 1.0);
+        let mut allocation = with_pilot(&[100.0; 16], 4, 1.0);
         allocation.raise(4.0, 1.0, nothing);
         let before = allocation.goal(0);
         allocation.calibrate(8.0 * allocation.modelled(allocation.goals));
@@ -216,7 +240,7 @@ mod tests {
     #[test]
     fn every_pixel_gets_so_many_samples_that_nothing_large_is_missed() {
         // A sixth of 3 * 255^2 / (n^2 * 1024) is below 0.25 from 12 samples on.
-        let mut allocation = Allocation::new(&[0.0; 1024], 32, 1.5);
+        let mut allocation = with_pilot(&[0.0; 1024], 32, 1.5);
         let unseen = |floor| Unseen { samples: floor, pixels: 1024 };
         assert!(allocation.raise(0.25, 1.0, unseen));
         assert_eq!(allocation.goal(0), 16);

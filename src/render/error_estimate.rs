@@ -19,7 +19,7 @@
 //! estimate is never less than what is expected of it (see [`unseen`](super::unseen)): no error is 0 unless nothing is
 //! random.
 
-use super::spread::{SetKind, Spread, mean_of};
+use super::spread::{SetKind, Spread};
 use super::unseen::{EXPECTED, Unseen};
 use vecmath::Vector3;
 
@@ -73,6 +73,30 @@ impl ErrorEstimate {
             seen: mixed(self.seen, rest),
             unseen: mixed(self.unseen, 255.0),
         }
+    }
+}
+
+/// What two halves say of the error of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HalvesError {
+    /// Root of the mean squared error of the colour as traced, over the channels. A square may be beyond an `f32`.
+    linear: f32,
+    /// Mean squared error in squared levels.
+    pub squared_levels: f32,
+}
+
+impl HalvesError {
+    /// Compares the means of two halves, whose squared difference is `factor` times four times the squared error.
+    #[inline]
+    pub fn new(a: Vector3, b: Vector3, factor: f64) -> Self {
+        let [mut linear, mut levels] = [0.0; 2];
+        for (a, b) in [(a.x, b.x), (a.y, b.y), (a.z, b.z)] {
+            let (a, b) = (a as f64, b as f64);
+            let variance = (0.5 * (a - b)).powi(2) * factor;
+            linear += variance;
+            levels += clamped_variance(0.5 * (a + b), variance);
+        }
+        Self { linear: (linear / 3.0).sqrt() as f32, squared_levels: (255.0 * 255.0 / 3.0 * levels) as f32 }
     }
 }
 
@@ -143,14 +167,12 @@ impl ErrorSums {
         self.add_means(kind.relative_variance(sets), spread.means(), shown.means())
     }
 
-    /// Adds a pixel of two halves, whose squared difference is `factor` times four times the squared error. Returns the
-    /// squared error in squared levels.
-    pub fn add_halves(&mut self, halves: [Vector3; 2], factor: f64) -> f64 {
-        let difference = (halves[0] - halves[1]) * 0.5;
-        let variances = difference.to_array().map(|d| (d as f64).powi(2) * factor);
-        let shown = clamped((halves[0] + halves[1]) * 0.5, variances);
+    /// Adds a pixel of two halves, with their [`HalvesError`].
+    pub fn add_halves(&mut self, error: &HalvesError) {
+        let linear = f64::from(error.linear).powi(2);
+        let levels = f64::from(error.squared_levels) / (255.0 * 255.0);
         let relative_variance = SetKind::Independent.relative_variance(2);
-        self.add_means(relative_variance, [mean_of(variances); 2], [mean_of(shown); 2])
+        self.add_means(relative_variance, [linear; 2], [levels; 2]);
     }
 
     /// Adds the fine and the coarse spread of a pixel, averaged over the channels. Returns the coarse one in squared
@@ -175,7 +197,7 @@ impl ErrorSums {
 
     /// Notes the brightness of a sample.
     pub fn see(&mut self, color: Vector3) {
-        self.peak = color.to_array().into_iter().fold(self.peak, |peak, c| peak.max(c as f64));
+        self.peak = self.peak.max(color.x as f64).max(color.y as f64).max(color.z as f64);
     }
 
     /// Adds parts up in their order, because rounding depends on the order.
@@ -227,12 +249,13 @@ fn clamped(mean: Vector3, variances: [f64; 3]) -> [f64; 3] {
 }
 
 /// Returns the mean squared error that remains of an error of +-sqrt(`variance`) after both values are clamped.
+#[inline]
 fn clamped_variance(mean: f64, variance: f64) -> f64 {
-    let error = variance.sqrt();
-    let shown = mean.clamp(0.0, 1.0);
-    if error <= mean.min(1.0 - mean) {
+    let room = mean.min(1.0 - mean);
+    if room >= 0.0 && variance <= room * room {
         return variance;
     }
+    let (error, shown) = (variance.sqrt(), mean.clamp(0.0, 1.0));
     let square = |other: f64| (other.clamp(0.0, 1.0) - shown).powi(2);
     (square(mean + error) + square(mean - error)) / 2.0
 }
@@ -250,6 +273,10 @@ mod tests {
         assert!((clamped_variance(1.0, 0.01) - 0.005).abs() < 1e-15);
     }
 
+    fn compared([a, b]: [Vector3; 2]) -> HalvesError {
+        HalvesError::new(a, b, 1.0)
+    }
+
     fn halves() -> [Vector3; 2] {
         [Vector3::new(0.2, 0.4, 0.6), Vector3::new(0.4, 0.4, 0.5)]
     }
@@ -258,7 +285,7 @@ mod tests {
     fn the_error_of_halves_is_half_their_difference() {
         let mut sums = ErrorSums::default();
         (0..100).for_each(|_| {
-            sums.add_halves(halves(), 1.0);
+            sums.add_halves(&compared(halves()));
         });
         let expected = ((0.1f64.powi(2) + 0.05f64.powi(2)) / 3.0).sqrt();
         let estimate = sums.estimate(SetKind::Independent, 2).unwrap();
@@ -271,7 +298,7 @@ mod tests {
     fn samples_that_agree_prove_no_error_of_zero() {
         let mut sums = ErrorSums::default();
         (0..900).for_each(|_| {
-            sums.add_halves([Vector3::splat(0.5); 2], 1.0);
+            sums.add_halves(&compared([Vector3::splat(0.5); 2]));
         });
         let levels = |sums: &ErrorSums, samples| sums.estimate(SetKind::Independent, samples).unwrap().levels;
         // 3 * 255^2 / (2^2 * 900), and a sixth of it.
@@ -292,7 +319,7 @@ mod tests {
         assert_eq!(sums.estimate(SetKind::Independent, 2).unwrap(), ErrorEstimate::default());
         let mut mixed = ErrorSums::default();
         (0..25).for_each(|_| {
-            mixed.add_halves(halves(), 1.0);
+            mixed.add_halves(&compared(halves()));
         });
         let alone = mixed.estimate(SetKind::Independent, 2).unwrap();
         mixed.merge(&sums);
@@ -306,7 +333,7 @@ mod tests {
     fn pixels_that_were_not_reached_may_be_black_or_white() {
         let mut sums = ErrorSums::default();
         (0..100).for_each(|_| {
-            sums.add_halves(halves(), 1.0);
+            sums.add_halves(&compared(halves()));
         });
         let reached = sums.estimate(SetKind::Independent, 2).unwrap();
         let whole = reached.with_rest(0.75, 20.0);

@@ -5,25 +5,25 @@ use super::tile_samples::TileSamples;
 use crate::film::{Film, Planes, encode_numbers, encode_png};
 use crate::options::Options;
 use crate::timing::Times;
+use std::hint::black_box;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// What is known of the time that it takes to finish a picture.
 #[derive(Debug)]
 pub struct Finishing {
-    /// The time to make the tiles, which is mostly that to get memory.
-    pub making: Duration,
+    /// Seconds to get a byte of memory, to write it and to give it back.
+    memory: f64,
     /// How many times longer work takes because other programs use the processors: at least 1.
     crowding: f64,
 }
 
-impl Default for Finishing {
-    fn default() -> Self {
-        Self { making: Duration::ZERO, crowding: 1.0 }
-    }
-}
-
 impl Finishing {
+    /// Measures how fast memory is, if that `is_wanted`.
+    pub fn new(is_wanted: bool) -> Self {
+        Self { memory: if is_wanted { seconds_for_a_byte() } else { 0.0 }, crowding: 1.0 }
+    }
+
     /// Notes the time in which all threads had work, to see how much of the processors other programs take.
     pub fn all_threads_worked(&mut self, times: Times) {
         /// More is taken for a moment's disturbance.
@@ -49,15 +49,26 @@ impl Finishing {
         part.mul_f64(self.crowding / share) + self.time_of_memory(options)
     }
 
-    /// Returns how long it takes to get the memory of the film, and to give back all. It takes about a quarter of the
-    /// time to give it back. What is written gets memory of the system.
+    /// Returns how long it takes to get the memory of the film, and to give back all. What is written gets memory of the
+    /// system.
     fn time_of_memory(&self, options: &Options) -> Duration {
+        /// The share that giving back has in the time of memory.
+        const GIVING_BACK: f64 = 0.25;
         let planes = Planes::wanted_by(options);
         let tiles = TileSamples::bytes_per_pixel(planes) as f64;
         let film = planes.bytes_per_pixel() as f64;
         let file = if options.color_is_numbers() { 12.0 } else { 0.0 };
-        self.making.mul_f64((0.25 * tiles + 1.25 * film + file) / tiles)
+        let pixels = f64::from(options.width) * f64::from(options.height);
+        Duration::from_secs_f64(self.memory * pixels * (GIVING_BACK * tiles + film + file))
     }
+}
+
+/// Returns how many seconds it takes to get a byte of memory, to write it and to give it back.
+fn seconds_for_a_byte() -> f64 {
+    const BYTES: usize = 1 << 21;
+    let start = Instant::now();
+    drop(black_box(vec![1_u8; BYTES]));
+    start.elapsed().as_secs_f64() / BYTES as f64
 }
 
 /// Returns the tiles that stand for all: in the middle of the picture, so few that they take almost no time, and so

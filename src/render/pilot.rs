@@ -22,18 +22,19 @@ struct Corners {
     counts: RayCounts,
 }
 
-/// Returns for each pixel of a picture the variance of its corners in squared levels, averaged over the channels, and
-/// the rays traced; `None` if the deadline came first.
+/// Returns for each pixel of a part of the picture the variance of its corners in squared levels, averaged over the
+/// channels, and the rays traced; `None` if the deadline came first.
 pub fn variances<'a>(
-    (width, height): (u32, u32),
+    part: Tile,
     maker: &RayMaker,
     empty: &EmptyTiles,
     tracer: impl Fn() -> Box<dyn Tracer + 'a> + Sync + Send,
 ) -> Option<(Vec<f32>, RayCounts)> {
-    let columns = width as usize + 1;
-    let bytes = vec![[0; 3]; columns * (height as usize + 1)];
+    let columns = part.width as usize + 1;
+    let bytes = vec![[0; 3]; columns * (part.height as usize + 1)];
     let corners = Mutex::new(Corners { columns, bytes, counts: RayCounts::default() });
-    let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, tile: Tile| {
+    let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, in_part: Tile| {
+        let tile = Tile { x: part.x + in_part.x, row: part.row + in_part.row, ..in_part };
         let (mut seen, mut is_whole) = (Vec::new(), true);
         if empty.contain(&tile) {
             seen = vec![empty.seen_through(&tile, &mut **tracer); (tile.width * tile.height) as usize];
@@ -43,19 +44,20 @@ pub fn variances<'a>(
         }
         // A poisoned lock means that another thread has panicked; that panic will be reported.
         if let Ok(mut corners) = corners.lock() {
-            corners.set(tile, &seen);
+            corners.set(in_part, &seen);
             corners.counts += tracer.take_counts();
         }
         is_whole
     };
-    let tiles = Tile::all(width + 1, height + 1).into_par_iter();
+    let tiles = Tile::all(part.width + 1, part.height + 1).into_par_iter();
     let is_whole = tiles.map_init(tracer, trace_corners).all(|is_whole| is_whole);
     let corners = corners.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let pixels = (0..height as usize).into_par_iter().flat_map_iter(|row| {
-        let corners = &corners;
-        (0..width as usize).map(move |x| corners.variance(x, row))
-    });
-    is_whole.then(|| (pixels.collect(), corners.counts))
+    let mut variances = vec![0.0; (part.width * part.height) as usize];
+    let fill_row = |(row, variances): (usize, &mut [f32])| {
+        variances.iter_mut().enumerate().for_each(|(x, variance)| *variance = corners.variance(x, row));
+    };
+    variances.par_chunks_mut(part.width as usize).enumerate().for_each(fill_row);
+    is_whole.then_some((variances, corners.counts))
 }
 
 impl Corners {

@@ -60,8 +60,13 @@ pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
 }
 
 /// Returns a colour with NaN as 0, and infinity as the largest `f32`.
+#[inline]
 pub fn finite(color: Vector3) -> Vector3 {
     const LARGEST: Real = f32::MAX as Real;
+    // Nearly all are.
+    if color.x.abs() <= LARGEST && color.y.abs() <= LARGEST && color.z.abs() <= LARGEST {
+        return color;
+    }
     color.map(|c| if c.is_nan() { 0.0 } else { c.clamp(-LARGEST, LARGEST) })
 }
 

@@ -18,7 +18,8 @@ pub struct SamplePattern {
 impl SamplePattern {
     /// Makes a pattern for sets of `count` samples, which must not be 0. Only the stratified sampler uses `count`.
     pub fn new(kind: SamplerKind, count: u32) -> Self {
-        Self { kind, cells: Cells::new(count) }
+        let cells = if kind == SamplerKind::Stratified { Cells::new(count) } else { Cells::ONE };
+        Self { kind, cells }
     }
 
     /// Returns the number of cells in each row; 0 if the rows differ.
@@ -139,6 +140,8 @@ struct Cell {
 }
 
 impl Cells {
+    const ONE: Self = Self { count: 1, columns: 1, in_longer_rows: 0 };
+
     fn new(count: u32) -> Self {
         let rows = nearest_root(count);
         let columns = count / rows;

@@ -1,7 +1,8 @@
 //! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
-use super::error_estimate::ErrorSums;
-use super::pixel::Pixel;
+use super::error_estimate::{ErrorSums, HalvesError};
+use super::frame::SampleCounts;
+use super::pixel::{Pixel, finite};
 use super::spread::{SetKind, USUAL_RATIO};
 use super::tiles::Tile;
 use crate::film::Planes;
@@ -11,22 +12,29 @@ use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
 
-/// Sums over the samples of each pixel of a tile, in two halves, which are compared.
+/// Sums over the samples of each pixel of a tile, in two halves, which are compared. Memory is taken by the first samples,
+/// so a tile that is never reached takes none, nor one that is empty.
 pub struct TileSamples {
     pub tile: Tile,
     /// Whether nothing but a background of one colour is seen through it.
     pub is_empty: bool,
-    /// Number of samples of each pixel, both halves together. It is even, or 1 in an empty tile.
-    pub samples: Vec<u32>,
+    /// What every pixel of an empty tile shows, once it is known.
+    pub filled: Option<Pixel>,
     halves: Halves,
-    /// Sums of colours in each half, for each pixel; empty without a colour picture.
-    colors: Vec<[Vector3; 2]>,
+    has_colors: bool,
+    has_others: bool,
+    /// Number of samples of each pixel, both halves together, which is even.
+    samples: Vec<u32>,
+    /// Sums of the colours of all samples, for each pixel; empty without a colour picture.
+    colors: Vec<Vector3>,
+    /// Of these, what independent halves have in the second one; empty with other halves.
+    in_second: Vec<Vector3>,
+    /// What the halves say, for each pixel; empty without a colour picture.
+    halves_errors: Vec<HalvesError>,
     /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
     /// The errors of the pixels that have samples.
     pub errors: ErrorSums,
-    /// The squared errors of all pixels in squared levels, the largest where there are no samples.
-    pub variances: Vec<f32>,
     pub counts: RayCounts,
 }
 
@@ -56,97 +64,162 @@ pub struct Wanted {
 impl TileSamples {
     /// Returns the bytes for each pixel, with the numbers that the allocation of samples keeps.
     pub fn bytes_per_pixel(planes: Planes) -> usize {
-        let colors = if planes.color { size_of::<[Vector3; 2]>() } else { 0 };
+        let colors = if planes.color { 2 * size_of::<Vector3>() + size_of::<HalvesError>() } else { 0 };
         let others = if planes.depth || planes.normals { size_of::<Pixel>() } else { 0 };
         size_of::<u32>() + colors + others + 4 * size_of::<f32>()
     }
 
     pub fn new(tile: Tile, plan: &Plan, halves: Halves, is_empty: bool) -> Self {
-        let pixels = (tile.width * tile.height) as usize;
-        let with_others = plan.depth || plan.normals;
         Self {
             tile,
             is_empty,
-            samples: vec![0; pixels],
+            filled: None,
             halves,
-            colors: vec![[Vector3::ZERO; 2]; if plan.color { pixels } else { 0 }],
-            others: vec![Pixel::default(); if with_others { pixels } else { 0 }],
+            has_colors: plan.color,
+            has_others: plan.depth || plan.normals,
+            samples: Vec::new(),
+            colors: Vec::new(),
+            in_second: Vec::new(),
+            halves_errors: Vec::new(),
+            others: Vec::new(),
             errors: ErrorSums::default(),
-            variances: vec![UNKNOWN; pixels],
             counts: RayCounts::default(),
         }
     }
 
-    /// Returns the pixels that have fewer samples than `goal` says.
-    pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32) -> Vec<Wanted> {
-        let wanted =
-            |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples[index]..goal(pixel) };
-        self.tile.pixels().enumerate().map(wanted).filter(|wanted| !wanted.samples.is_empty()).collect()
+    /// Returns the number of its pixels.
+    pub fn pixels(&self) -> usize {
+        (self.tile.width * self.tile.height) as usize
+    }
+
+    /// Takes the memory that samples need, if it is not there.
+    pub fn make_room(&mut self) {
+        if self.samples.is_empty() {
+            let pixels = self.pixels();
+            let only_if = |wanted: bool| if wanted { pixels } else { 0 };
+            self.samples = vec![0; pixels];
+            self.colors = vec![Vector3::ZERO; only_if(self.has_colors)];
+            let are_independent = self.halves == Halves::Independent;
+            self.in_second = vec![Vector3::ZERO; only_if(self.has_colors && are_independent)];
+            self.halves_errors = vec![HalvesError::default(); only_if(self.has_colors)];
+            self.others = vec![Pixel::default(); only_if(self.has_others)];
+        }
+    }
+
+    /// Returns the number of samples of a pixel: 1 in an empty tile.
+    pub fn samples(&self, index: usize) -> u32 {
+        let own = || self.samples.get(index).copied().unwrap_or(0);
+        self.filled.map_or_else(own, |_| 1)
+    }
+
+    /// Returns the smallest number of samples that a pixel has, where it is not known without them; `None` if no pixel
+    /// has any.
+    pub fn fewest(&self) -> Option<u32> {
+        self.samples.iter().copied().filter(|&samples| samples > 0).min()
+    }
+
+    /// Adds the samples of all pixels to counts.
+    pub fn count_samples(&self, counts: &mut SampleCounts) {
+        if self.samples.is_empty() {
+            counts.add_pixels(self.pixels() as u64, self.samples(0));
+        }
+        self.samples.iter().for_each(|&samples| counts.add_pixels(1, samples));
+    }
+
+    /// Returns the squared error of a pixel in squared levels, the largest if it has no samples.
+    pub fn variance(&self, index: usize) -> f32 {
+        match (self.samples(index), self.halves_errors.get(index)) {
+            (0, _) => UNKNOWN,
+            (_, error) => error.map_or(0.0, |error| error.squared_levels),
+        }
+    }
+
+    /// Replaces `wanted` by the pixels that have fewer samples than `goal` says.
+    pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32, wanted: &mut Vec<Wanted>) {
+        let of_pixel =
+            |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples(index)..goal(pixel) };
+        wanted.clear();
+        wanted.extend(self.tile.pixels().enumerate().map(of_pixel).filter(|wanted| !wanted.samples.is_empty()));
     }
 
     /// Adds what the wanted samples of a pixel saw: of independent halves first those of the first one.
     pub fn add(&mut self, wanted: &Wanted, seen: &[Seen], displayed: impl Fn(&Seen) -> Pixel) {
-        let (index, samples) = (wanted.index, &wanted.samples);
-        let in_first = match self.halves {
-            Halves::Independent => seen.len() / 2,
-            Halves::OfSequence => {
-                if let Some([first, second]) = self.colors.get_mut(index) {
-                    *first += std::mem::take(second);
-                }
-                (samples.end / 2).saturating_sub(samples.start) as usize
-            }
-        };
-        self.samples[index] = samples.end;
-        for (number, pixel) in seen.iter().map(displayed).enumerate() {
-            if let Some(colors) = self.colors.get_mut(index) {
-                colors[usize::from(number >= in_first)] += pixel.color;
-                self.errors.see(pixel.color);
-            }
-            if let Some(others) = self.others.get_mut(index) {
+        let (index, samples) = (wanted.index, wanted.samples.end);
+        if !self.colors.is_empty() {
+            let in_first = match self.halves {
+                Halves::Independent => seen.len() / 2,
+                Halves::OfSequence => (samples / 2).saturating_sub(wanted.samples.start) as usize,
+            };
+            let (first, second) = seen.split_at(in_first);
+            let new = (self.sum(first), self.sum(second));
+            self.add_colors(index, samples, new);
+        }
+        self.samples[index] = samples;
+        if let Some(others) = self.others.get_mut(index) {
+            for pixel in seen.iter().map(displayed) {
                 others.depth += pixel.depth;
                 others.normal += pixel.normal;
             }
         }
     }
 
+    /// Adds colours up, and notes how bright they are.
+    #[inline]
+    fn sum(&mut self, seen: &[Seen]) -> Vector3 {
+        let mut sum = Vector3::ZERO;
+        for seen in seen {
+            let color = finite(seen.color);
+            self.errors.see(color);
+            sum += color;
+        }
+        sum
+    }
+
+    /// Adds the sums of new colours in both halves of a pixel, which has so many samples then.
+    #[inline]
+    fn add_colors(&mut self, index: usize, samples: u32, new: (Vector3, Vector3)) {
+        let second = match self.in_second.get_mut(index) {
+            Some(second) => {
+                *second += new.1;
+                *second
+            }
+            // All earlier samples are in the first half of a sequence.
+            None => new.1,
+        };
+        let sum = self.colors[index] + new.0 + new.1;
+        self.colors[index] = sum;
+        let factor = match self.halves {
+            Halves::Independent => 1.0,
+            Halves::OfSequence => SetKind::Sobol(samples).factor(USUAL_RATIO),
+        };
+        let in_half = 2.0 / samples as Real;
+        self.halves_errors[index] = HalvesError::new((sum - second) * in_half, second * in_half, factor);
+    }
+
     /// Sets what every pixel of an empty tile shows.
-    pub fn fill(&mut self, pixel: &Pixel) {
-        self.samples.fill(1);
-        self.colors.fill([pixel.color * 0.5; 2]);
-        self.others.fill(*pixel);
-        self.variances.fill(0.0);
+    pub fn fill(&mut self, pixel: Pixel) {
+        self.filled = Some(pixel);
         self.errors.see(pixel.color);
-        self.errors.add_exact(self.samples.len() as u64);
+        self.errors.add_exact(self.pixels() as u64);
     }
 
     /// Returns the mean of all samples of a pixel.
     pub fn mean(&self, index: usize) -> Pixel {
         let mut mean = Pixel::default();
-        let samples = self.samples[index] as Real;
+        let samples = self.samples(index) as Real;
         if let Some(others) = self.others.get(index) {
             mean = Pixel { depth: others.depth / samples, normal: others.normal / samples, ..mean };
         }
-        if !self.colors.is_empty() {
-            let [first, second] = self.means(index);
-            mean.color = (first + second) * 0.5;
+        if let Some(&sum) = self.colors.get(index) {
+            mean.color = sum * (1.0 / samples);
         }
         mean
     }
 
-    /// Returns the mean colours of both halves.
-    fn means(&self, index: usize) -> [Vector3; 2] {
-        self.colors[index].map(|sum| sum / (0.5 * self.samples[index] as Real))
-    }
-
-    /// Estimates the errors of all pixels anew.
+    /// Adds the errors of all pixels up anew.
     pub fn update_errors(&mut self) {
         self.errors.clear();
-        for index in (0..self.colors.len()).filter(|&index| self.samples[index] > 0) {
-            let factor = match self.halves {
-                Halves::Independent => 1.0,
-                Halves::OfSequence => SetKind::Sobol(self.samples[index]).factor(USUAL_RATIO),
-            };
-            self.variances[index] = self.errors.add_halves(self.means(index), factor) as f32;
-        }
+        let sampled = self.halves_errors.iter().zip(&self.samples).filter(|(_, samples)| **samples > 0);
+        sampled.for_each(|(error, _)| self.errors.add_halves(error));
     }
 }

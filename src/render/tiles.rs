@@ -66,6 +66,20 @@ impl Tile {
         (0..tiles.count()).map(|number| tiles.tile(number)).collect()
     }
 
+    /// Returns the smallest rectangle that contains both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        let (x, row) = (self.x.min(other.x), self.row.min(other.row));
+        let right = (self.x + self.width).max(other.x + other.width);
+        let bottom = (self.row + self.height).max(other.row + other.height);
+        Self { x, row, width: right - x, height: bottom - row }
+    }
+
+    /// Returns the number of a pixel of the rectangle, row by row.
+    pub fn index_of(&self, (x, row): (u32, u32)) -> usize {
+        (row - self.row) as usize * self.width as usize + (x - self.x) as usize
+    }
+
     /// Iterates over columns and rows of the tile's pixels, row by row.
     pub fn pixels(&self) -> Pixels {
         Pixels {
