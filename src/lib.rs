@@ -57,7 +57,7 @@ use cube_map::CubeMap;
 use error::{Error, counted};
 use film::{BandWriter, PictureWriter};
 use inspect::inspect;
-use measure::{Phases, Point, Reference, Report};
+use measure::{Convergence, Phases, Reference, Report};
 use memory::Budget;
 use options::{CompareOptions, Options};
 use output::say;
@@ -119,7 +119,7 @@ fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
 fn render_to_files(options: &Options) -> Result<Outcome, Error> {
     let total = Stopwatch::start();
     write::check_files(options)?;
-    if options.measure.is_adaptive() {
+    if options.measure.is_adaptive() || options.measure.convergence.is_some() {
         interrupt::let_rendering_end();
     }
     write::worker_threads(options)?.install(|| {
@@ -220,7 +220,7 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// Renders the pictures, into `pictures` or into memory. With `-convergence` it also returns the points of all curves.
+/// Renders the pictures, into `pictures` or into memory. With `-convergence` it also returns the curves.
 fn render_pictures(
     scene: &Scene,
     plan: &Plan,
@@ -228,14 +228,15 @@ fn render_pictures(
     limit: Deadline,
     reference: Option<&Reference>,
     pictures: Option<&mut Vec<PictureWriter>>,
-) -> Result<(Frame, Vec<Point>), Error> {
+) -> Result<(Frame, Option<Convergence>), Error> {
     let progress = Shown::new(options);
     let mut frame = if options.pictures().next().is_none() {
         Frame::empty()
     } else if options.measure.is_adaptive() {
         render::render_adaptive(scene, plan, options, limit, &progress)
     } else if options.measure.convergence.is_some() {
-        return Ok(measure::render_convergence(scene, plan, options, reference, &progress));
+        let (frame, curves) = measure::render_convergence(scene, plan, options, reference, &progress);
+        return Ok((frame, Some(curves)));
     } else if let Some(pictures) = pictures {
         *pictures = write::begin_pictures(options)?;
         let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
@@ -247,7 +248,7 @@ fn render_pictures(
     if let (Some(background), Some(depths)) = (background, &mut frame.film.depth) {
         *depths = render::depths_with_background(depths, background, scene, plan, options, &progress);
     }
-    Ok((frame, Vec::new()))
+    Ok((frame, None))
 }
 
 /// Adds the meshes whose trees were not built.

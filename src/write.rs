@@ -102,11 +102,11 @@ pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
 /// [`Error::File`] for a file that cannot be written.
 pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
     let measure = &options.measure;
-    if let Some(path) = &measure.convergence {
-        let file = measure::convergence_file(path, options, &report.frame, &report.convergence);
+    if let (Some(path), Some(curves)) = (&measure.convergence, &report.convergence) {
+        let file = measure::convergence_file(path, options, &report.frame, curves);
         write_text(path, &file.map_err(|error| Error::io(path, "make the page", &error))?)?;
         if !options.quiet {
-            say(&format!("{}\n", measure::sentences(options, &report.convergence)));
+            say(&format!("{}\n", measure::sentences(options, curves)));
         }
     }
     if let (Some(path), Some(cost)) = (&options.cost, &report.cost) {

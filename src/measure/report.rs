@@ -1,6 +1,6 @@
 //! [`Report`]: the pictures of a scene, their cost and their error. [`report_text`](super::report_text) prints it.
 
-use super::convergence::Point;
+use super::convergence::Convergence;
 use super::reference::TrueError;
 use crate::cost::Cost;
 use crate::error::Remarks;
@@ -38,7 +38,7 @@ pub struct Report {
     /// With `-reference`.
     pub true_error: Option<TrueError>,
     /// With `-convergence`.
-    pub convergence: Vec<Point>,
+    pub convergence: Option<Convergence>,
 }
 
 impl Report {
@@ -48,9 +48,11 @@ impl Report {
         is_whole && self.frame.estimate.is_some_and(|estimate| estimate.with_unseen() <= levels)
     }
 
-    /// Returns whether the picture is what was asked for: every pixel was reached, and the target error too.
+    /// Returns whether the pictures are what was asked for: every pixel was reached, and the target error too, and all
+    /// points of curves.
     pub fn is_complete(&self, options: &Options) -> bool {
         self.frame.samples.unreached == 0
+            && self.convergence.as_ref().is_none_or(|convergence| convergence.is_whole)
             && options.measure.target_error.is_none_or(|target| self.is_below(target))
     }
 

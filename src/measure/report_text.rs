@@ -89,7 +89,14 @@ impl Report {
         let samples = &self.frame.samples;
         let (least, most) = (samples.least.unwrap_or(0), samples.most);
         let sampler = if options.jitter { options.measure.sampler.name() } else { "not random" };
-        let _ = writeln!(text, "samples      {sampler}, {:.2} a pixel ({least} to {most})", samples.mean());
+        let mean = samples.mean();
+        let _ = match (least, most) {
+            (1, 2..) => writeln!(
+                text,
+                "samples      {sampler}, {mean:.2} a pixel in the mean (up to {most}; 1 where only background is seen)"
+            ),
+            _ => writeln!(text, "samples      {sampler}, {mean:.2} a pixel ({least} to {most})"),
+        };
         text += &self.verdict(options);
         if let Some(error) = &self.true_error {
             let _ = write!(text, "{error}");

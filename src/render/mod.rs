@@ -34,7 +34,7 @@ pub use preview::MIRRORS as PREVIEW_MIRRORS;
 pub use rays::RayMaker;
 pub use samples::{SamplePattern, SampleSet};
 pub use tiles::Progress;
-pub use uniform::{render as render_uniform, render_bands};
+pub use uniform::{render as render_uniform, render_bands, render_before as render_uniform_before};
 
 use crate::film::Planes;
 use crate::options::Options;

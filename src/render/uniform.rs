@@ -31,8 +31,20 @@ pub const RAYS_AT_ONCE: usize = PACKETS_AT_ONCE * PACKET;
 /// Renders the pictures of `plan` into memory. A pixel depends only on its place, so the picture is the same for any
 /// number of threads.
 pub fn render(scene: &Scene, plan: &Plan, options: &Options, progress: &dyn Progress) -> Frame {
+    render_before(scene, plan, options, Deadline::NEVER, progress)
+}
+
+/// Renders the same. Pixels that are not done before the deadline show anything, and are counted as not reached.
+pub fn render_before(
+    scene: &Scene,
+    plan: &Plan,
+    options: &Options,
+    deadline: Deadline,
+    progress: &dyn Progress,
+) -> Frame {
     let mut film = FilmWriter::new(options.width, options.height, Planes::wanted_by(options));
-    let totals = render_tiles(scene, plan, options, vec![&mut film], progress).expect("a film takes every band");
+    let rendered = render_tiles(scene, plan, options, deadline, vec![&mut film], progress);
+    let totals = rendered.expect("a film takes every band");
     let mut film = film.film;
     let kind = set_kind(options);
     if let (Some(variances), Some(estimate)) = (&mut film.variances, estimate(&totals.errors, options)) {
@@ -53,7 +65,7 @@ pub fn render_bands(
     writers: Vec<&mut dyn BandWriter>,
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
-    let totals = render_tiles(scene, plan, options, writers, progress)?;
+    let totals = render_tiles(scene, plan, options, Deadline::NEVER, writers, progress)?;
     Ok(frame(Film::new(0, 0, Planes::default()), totals, options))
 }
 
@@ -61,6 +73,7 @@ fn render_tiles(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
+    deadline: Deadline,
     writers: Vec<&mut dyn BandWriter>,
     progress: &dyn Progress,
 ) -> Result<Totals, Error> {
@@ -70,7 +83,7 @@ fn render_tiles(
     let tiles = Tiles { width: options.width, height: options.height };
     let bands = Bands::new(tiles, Planes::wanted_by(options), writers);
     bands.render(progress, &|| {
-        let mut renderer = TileRenderer::new(scene, plan, options, &maker);
+        let mut renderer = TileRenderer::new(scene, plan, options, deadline, &maker);
         let empty = &empty;
         Box::new(move |tile| if empty.contain(tile) { renderer.fill(tile, empty) } else { renderer.render(tile) })
     })
@@ -90,6 +103,7 @@ fn estimate(errors: &ErrorSums, options: &Options) -> Option<ErrorEstimate> {
 /// Renders tiles: makes rays of their pixels, traces them, and makes pixels of what they see.
 struct TileRenderer<'a> {
     tracer: Box<dyn Tracer + 'a>,
+    deadline: Deadline,
     maker: &'a RayMaker,
     options: &'a Options,
     /// How samples lie, if their error is estimated.
@@ -106,9 +120,16 @@ struct TileRenderer<'a> {
 }
 
 impl<'a> TileRenderer<'a> {
-    fn new(scene: &'a Scene, plan: &'a Plan, options: &'a Options, maker: &'a RayMaker) -> Self {
+    fn new(
+        scene: &'a Scene,
+        plan: &'a Plan,
+        options: &'a Options,
+        deadline: Deadline,
+        maker: &'a RayMaker,
+    ) -> Self {
         Self {
-            tracer: tracer(scene, plan, Deadline::NEVER),
+            tracer: tracer(scene, plan, deadline),
+            deadline,
             maker,
             options,
             kind: wants_estimate(options).then(|| set_kind(options)),
@@ -127,8 +148,9 @@ impl<'a> TileRenderer<'a> {
         let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         let mut pixels = Vec::with_capacity(places.len());
-        places.chunks(pixels_at_once).for_each(|places| self.resolve(places, &mut pixels));
-        self.finished(tile, &pixels, rays_a_pixel as u32)
+        let is_whole = places.chunks(pixels_at_once).all(|places| self.resolve(places, &mut pixels));
+        pixels.resize(places.len(), Pixel::default());
+        self.finished(tile, &pixels, if is_whole { rays_a_pixel as u32 } else { 0 })
     }
 
     /// Renders a tile through which nothing but a background of one colour is seen: one ray shows it.
@@ -157,11 +179,15 @@ impl<'a> TileRenderer<'a> {
         RenderedTile { film, cost }
     }
 
-    /// Traces some pixels of the picture and adds them to `resolved`.
-    fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) {
+    /// Traces some pixels of the picture and adds them to `resolved`. Returns false if the deadline came first.
+    fn resolve(&mut self, pixels: &[(u32, u32)], resolved: &mut Vec<Pixel>) -> bool {
+        if self.deadline.is_over() {
+            return false;
+        }
         self.maker.set_places(pixels, &mut self.places);
-        let is_whole = self.tracer.trace(self.maker.grid, &self.places, &mut self.seen);
-        debug_assert!(is_whole, "there is no deadline");
+        if !self.tracer.trace(self.maker.grid, &self.places, &mut self.seen) {
+            return false;
+        }
         let start = self.options.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / pixels.len();
         let seen = std::mem::take(&mut self.seen);
@@ -175,6 +201,7 @@ impl<'a> TileRenderer<'a> {
         }
         self.seen = seen;
         self.filter += start.map_or(Duration::ZERO, |start| start.elapsed());
+        true
     }
 
     /// Makes one pixel of the picture of everything that its rays saw.

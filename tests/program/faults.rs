@@ -121,6 +121,27 @@ fn an_interrupted_measurement_ends_with_its_best_picture() {
 }
 
 #[test]
+fn interrupted_curves_keep_the_points_that_are_done() {
+    let folder = folder_with_scene();
+    for (name, rows) in [("c.svg", "\nsobol,"), ("c.html", "<tr><td>sobol<")] {
+        let arguments = "-input s.txt -output o.png -size 300 300 -samples 65536 -sampler sobol -convergence";
+        let child = start(&folder, &format!("{arguments} {name}"));
+        std::thread::sleep(Duration::from_millis(1500));
+        send(&child, Signal::INT);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(3), "{}", text(&output));
+        let file = std::fs::read_to_string(folder.path(name)).unwrap();
+        for found in [&text(&output), &file] {
+            assert!(found.contains("Interrupted: the curves end before what was asked for"), "{found}");
+        }
+        let done = file.matches(rows).count();
+        assert!((3..17).contains(&done), "{done}");
+        let picture = folder.picture("o.png");
+        assert!(picture.get_pixel(150, 150) != picture.get_pixel(0, 0));
+    }
+}
+
+#[test]
 fn ignored_signals_stay_ignored() {
     let folder = folder_with_scene();
     let line = format!("trap '' HUP; echo; exec '{}' {ARGUMENTS}", env!("CARGO_BIN_EXE_a2"));

@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::svg::{Drawing, Place};
 use super::table::csv;
 use super::words::sentences;
-use super::{Method, Point};
+use super::{Convergence, Method, Point};
 use crate::options::{Options, SamplerKind};
 
 const WIDTH: f64 = 1000.0;
@@ -43,17 +43,17 @@ const AGAINST: [Against; 2] = [
 ];
 
 /// Returns the figure of all curves. It holds their table, too, as metadata.
-pub fn svg(options: &Options, points: &[Point]) -> String {
+pub fn svg(options: &Options, convergence: &Convergence) -> String {
     let mut drawing = Drawing::new(WIDTH, HEIGHT);
-    drawing.data(&csv(points));
+    drawing.data(&csv(&convergence.points));
     let Options { width, height, .. } = options;
     let filter = if options.filter { ", -filter" } else { "" };
     let title = format!("{}, {width} x {height}{filter}", options.input.display());
-    drawing.words((WIDTH / 2.0, 26.0), "middle", " font-size=\"16\"", &title);
-    for (line, y) in sentences(options, points).lines().zip([48.0, 66.0]) {
+    drawing.words((WIDTH / 2.0, 22.0), "middle", " font-size=\"16\"", &title);
+    for (line, y) in sentences(options, convergence).lines().zip([42.0, 58.0, 74.0]) {
         drawing.words((WIDTH / 2.0, y), "middle", "", line);
     }
-    let curves = Curve::all(points);
+    let curves = Curve::all(&convergence.points);
     if curves.is_empty() {
         return drawing.finish();
     }

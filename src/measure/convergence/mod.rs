@@ -19,11 +19,14 @@ use super::reference::{Reference, TrueError};
 use crate::options::{Options, SamplerKind, has_extension};
 use crate::plan::Plan;
 use crate::render::error_estimate::ErrorEstimate;
-use crate::render::{Frame, Progress, render_adaptive, render_uniform};
+use crate::render::{Frame, Progress, render_adaptive, render_uniform, render_uniform_before};
 use crate::scene::Scene;
 use crate::timing::{Deadline, Times, timed};
 use std::path::Path;
 use std::time::Duration;
+
+/// When no more pictures are rendered.
+const INTERRUPT: Deadline = Deadline::ON_INTERRUPT;
 
 /// How the samples of a picture are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,46 +78,54 @@ impl Point {
     }
 }
 
-/// Renders the pictures of all curves. Returns the picture that the options ask for, and the points.
+/// All curves of a scene.
+#[derive(Debug)]
+pub struct Convergence {
+    pub points: Vec<Point>,
+    /// Whether all points are there that were asked for. Ctrl-C ends rendering and keeps what is done.
+    pub is_whole: bool,
+}
+
+/// Renders the pictures of all curves. Returns the picture that the options ask for, or after Ctrl-C the one with the most
+/// samples, and the points.
 pub fn render(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
     reference: Option<&Reference>,
     progress: &dyn Progress,
-) -> (Frame, Vec<Point>) {
+) -> (Frame, Convergence) {
     let studio = Studio { scene, plan, reference, progress };
     let own = options.measure.sampler;
     let is_given = options.measure.sampler_is_given;
     let samplers: Vec<_> = SamplerKind::ALL.into_iter().filter(|&kind| !is_given || kind == own).collect();
-    drop(studio.render(Method::Fixed(own), &with_samples(options, own, 1)));
+    let mut frame = render_uniform(scene, plan, &with_samples(options, own, 1), progress);
     let mut pictures = Vec::new();
-    let mut samples = 1;
-    let frame = loop {
-        let mut last = None;
+    let doubled = |samples: &u32| (*samples < options.samples()).then(|| (2 * samples).min(options.samples()));
+    for samples in std::iter::successors(Some(1), doubled) {
         for &sampler in &samplers {
-            let (frame, picture) = studio.picture(Method::Fixed(sampler), with_samples(options, sampler, samples));
+            let picture = studio.picture(Method::Fixed(sampler), with_samples(options, sampler, samples));
+            let Some((found, picture)) = picture else { break };
             pictures.push(picture);
-            last = if sampler == own { Some(frame) } else { last };
+            if sampler == own {
+                frame = found;
+            }
         }
-        match last {
-            Some(frame) if samples == options.samples() => break frame,
-            _ => samples = (2 * samples).min(options.samples()),
-        }
-    };
+    }
     let mut adaptive = options.clone();
     adaptive.measure.sampler = if is_given { own } else { SamplerKind::Sobol };
     for target in targets(pictures.iter().map(|picture| &picture.point)) {
         adaptive.measure.target_error = Some(target);
-        pictures.push(studio.picture(Method::Adaptive, adaptive.clone()).1);
+        pictures.extend(studio.picture(Method::Adaptive, adaptive.clone()).map(|(_, picture)| picture));
     }
+    let is_whole = !INTERRUPT.is_over();
     studio.measure_short_ones_again(&mut pictures);
     let mut points: Vec<_> = pictures.into_iter().map(Picture::point).collect();
     points.sort_by_key(|point| match point.method {
         Method::Fixed(kind) => SamplerKind::ALL.iter().position(|&other| other == kind),
         Method::Adaptive => Some(SamplerKind::ALL.len()),
     });
-    (frame, points)
+    (frame, Convergence { points, is_whole })
 }
 
 fn with_samples(options: &Options, sampler: SamplerKind, samples: u32) -> Options {
@@ -143,13 +154,20 @@ struct Picture {
 impl Studio<'_> {
     fn render(&self, method: Method, options: &Options) -> Frame {
         match method {
-            Method::Fixed(_) => render_uniform(self.scene, self.plan, options, self.progress),
-            Method::Adaptive => render_adaptive(self.scene, self.plan, options, Deadline::NEVER, self.progress),
+            Method::Fixed(_) => render_uniform_before(self.scene, self.plan, options, INTERRUPT, self.progress),
+            Method::Adaptive => render_adaptive(self.scene, self.plan, options, INTERRUPT, self.progress),
         }
     }
 
-    fn picture(&self, method: Method, options: Options) -> (Frame, Picture) {
+    /// Renders a picture and measures it. `None` after an interrupt: the picture may not be whole.
+    fn picture(&self, method: Method, options: Options) -> Option<(Frame, Picture)> {
+        if INTERRUPT.is_over() {
+            return None;
+        }
         let (frame, times) = timed(|| self.render(method, &options));
+        if INTERRUPT.is_over() {
+            return None;
+        }
         let pixels = f64::from(options.width) * f64::from(options.height);
         let grid = f64::from(options.grid_pixels());
         let camera_rays = frame.counts.camera as f64 / pixels;
@@ -168,7 +186,7 @@ impl Studio<'_> {
             estimate: frame.estimate,
             true_error: self.reference.and_then(|reference| reference.error_of(&frame.film)),
         };
-        (frame, Picture { options, point, times: vec![times] })
+        Some((frame, Picture { options, point, times: vec![times] }))
     }
 
     /// Renders pictures that take almost no time again. In rounds over all of them, because what disturbs a machine
@@ -181,7 +199,8 @@ impl Studio<'_> {
             for picture in &mut *pictures {
                 if picture.times.iter().map(|times| times.cpu).sum::<Duration>() < LONG {
                     let (_, times) = timed(|| self.render(picture.point.method, &picture.options));
-                    picture.times.push(times);
+                    // What was interrupted says nothing.
+                    picture.times.extend((!INTERRUPT.is_over()).then_some(times));
                 }
             }
         }
@@ -205,13 +224,13 @@ impl Picture {
 ///
 /// # Errors
 /// As [`page::html`].
-pub fn shown(path: &Path, options: &Options, frame: &Frame, points: &[Point]) -> std::io::Result<String> {
+pub fn shown(path: &Path, options: &Options, frame: &Frame, curves: &Convergence) -> std::io::Result<String> {
     if has_extension(path, "html") {
-        page::html(options, frame, points)
+        page::html(options, frame, curves)
     } else if has_extension(path, "svg") {
-        Ok(figure::svg(options, points))
+        Ok(figure::svg(options, curves))
     } else {
-        Ok(table::csv(points))
+        Ok(table::csv(&curves.points))
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::svg::escaped;
 use super::words::{short, time, with_digits};
-use super::{Point, figure};
+use super::{Convergence, Point, figure};
 use crate::film::encode_png;
 use crate::options::Options;
-use crate::render::Frame;
+use crate::render::{Frame, SampleCounts};
 use std::fmt::Write as _;
 use std::io;
 
@@ -21,7 +21,7 @@ th:first-child, td:first-child { text-align: left }";
 ///
 /// # Errors
 /// That of encoding a picture, which has no other cause than memory.
-pub fn html(options: &Options, frame: &Frame, points: &[Point]) -> io::Result<String> {
+pub fn html(options: &Options, frame: &Frame, curves: &Convergence) -> io::Result<String> {
     let title = escaped(&format!("Error against cost: {}", options.input.display()));
     let film = &frame.film;
     let picture = |plane: &Option<Vec<u8>>, caption: &str| match plane {
@@ -40,19 +40,29 @@ pub fn html(options: &Options, frame: &Frame, points: &[Point]) -> io::Result<St
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
          <style>\n{STYLE}\n</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}",
-        figure::svg(options, points),
+        figure::svg(options, curves),
     );
     let _ = write!(
         page,
-        "<h2>The picture</h2>\n<p>With {} {sampler} samples a pixel. Pixels that no sample reached: {}%.</p>\n{}{}",
-        short(samples.mean()),
+        "<h2>The picture</h2>\n<p>With {} {sampler} samples a pixel{}. Pixels that no sample reached: {}%.</p>\n{}{}",
+        samples.most,
+        one_in_the_background(samples),
         short(unreached),
         picture(&film.color, "The picture")?,
         picture(&film.error_map(), "Estimated standard error of each pixel: black 0, white 16 levels or more")?,
     );
-    page += &table(points);
+    page += &table(&curves.points);
     page += "</body>\n</html>\n";
     Ok(page)
+}
+
+/// Says why the mean number of samples is lower, if it is.
+fn one_in_the_background(samples: &SampleCounts) -> String {
+    if samples.least == Some(samples.most) {
+        return String::new();
+    }
+    let mean = short(samples.mean());
+    format!("; one ray does where nothing but a background of one colour is seen, which makes {mean} in the mean")
 }
 
 fn table(points: &[Point]) -> String {

@@ -83,12 +83,14 @@ fn the_sentences_name_the_cheapest_way() {
         panic!()
     };
     let some = [points(INDEPENDENT, 9, 1.0, 0.5), points(SOBOL, 5, 0.01, 0.75)].concat();
+    let said = |points, is_whole| sentences(&options, &Convergence { points, is_whole });
     assert_eq!(
-        sentences(&options, &some),
+        said(some.clone(), true),
         "An error of 0.5 levels costs 160 ms of processor time here: sobol, 32 samples a pixel.\n\
          A quarter of that error would cost about 1 s of processor time here: sobol, 203 samples a pixel."
     );
-    assert!(sentences(&options, &[]).starts_with("No error above 0 is known"));
+    assert!(said(Vec::new(), true).starts_with("No error above 0 is known"));
+    assert!(said(some, false).lines().nth(2).unwrap().starts_with("Interrupted: the curves end"));
 }
 
 #[test]

@@ -1,17 +1,22 @@
 //! What the curves say, in words.
 
-use super::Point;
+use super::Convergence;
 use super::curve::{Cost, Curve};
 use crate::options::Options;
 
-/// Returns two lines about the cheapest way to an error, and to a quarter of it.
-pub fn sentences(options: &Options, points: &[Point]) -> String {
-    let curves = Curve::all(points);
-    let Some(level) = level_of_interest(&curves) else {
+/// Returns two lines about the cheapest way to an error, and to a quarter of it, and a third one if points are missing.
+pub fn sentences(options: &Options, convergence: &Convergence) -> String {
+    let interrupted =
+        "\nInterrupted: the curves end before what was asked for, and the picture may have fewer samples.";
+    about_costs(options, &Curve::all(&convergence.points)) + if convergence.is_whole { "" } else { interrupted }
+}
+
+fn about_costs(options: &Options, curves: &[Curve]) -> String {
+    let Some(level) = level_of_interest(curves) else {
         return "No error above 0 is known here: give more -samples, or a -reference.".to_owned();
     };
     let grid = f64::from(options.grid_pixels());
-    let cost = |level: f64| match cheapest(&curves, level) {
+    let cost = |level: f64| match cheapest(curves, level) {
         Some((curve, cost)) => format!(
             "{} {} of processor time here: {}, {} samples a pixel.",
             if cost.is_extrapolated { "would cost about" } else { "costs" },
