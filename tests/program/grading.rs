@@ -254,6 +254,18 @@ fn folders_of_pictures_are_graded_and_errors_are_clear() {
     let (run, found) = grade(&folder, &["one/pictures", "pictures", "--scenes", "01,02,aa"]);
     assert_eq!([&found[0], &found[1]].map(statuses), [["ok", "ok", "ok"], ["missing"; 3]], "{}", run.stdout);
     assert_eq!(found[0]["name"], "one/pictures");
+    // All colours one level brighter.
+    for name in ["a02.png", "a02n.png", "a02d.png"] {
+        let mut picture = folder.picture(&format!("one/pictures/{name}"));
+        if name == "a02.png" {
+            picture.iter_mut().for_each(|byte| *byte = byte.saturating_add(1));
+        }
+        picture.save(folder.path(&format!("pictures/{name}"))).unwrap();
+    }
+    let (_, found) = grade(&folder, &["pictures", "--scenes", "02"]);
+    assert_eq!(statuses(&found[0]), ["differs"]);
+    let rounded = "no pixel differs by more than 1 level: are bytes rounded, not truncated?\n";
+    assert_eq!(notes(&found[0], 0), rounded);
     let parts =
         ["--scenes 01,09", "none", "one/pictures/a01.png", "--starter one", "--size 0", "--csv none/g.csv"];
     let messages = [
