@@ -33,7 +33,7 @@ fn compare_prints_differences_and_sets_the_exit_code() {
         (
             "-compare a.png c.png",
             1,
-            "regions        1 with pixels over 1 levels:\n  x 0 to 99, y 0 to 99: 10000 pixels",
+            "regions        1 of pixels over 1 level:\n  x 0 to 99, y 0 to 99: 10000 pixels",
         ),
         ("-compare a.png c.png -tolerance 3 0", 0, "RMSE           3.0000"),
         ("-compare a.png b.png -tolerance 0 50", 1, "different"),
@@ -71,9 +71,9 @@ fn compare_says_where_pictures_differ() {
     let run = folder.a2("-compare a.png d.png -report c.json");
     assert_eq!(run.exit_code, 1, "{}", run.stderr);
     let lines = "worst pixel    x 29 from the left, y 5 from the top: A 100 100 100, B 0 100 255\n\
-                 regions        2 with pixels over 1 levels:\n\
+                 regions        2 of pixels over 1 level:\n\
                  \x20 x 10 to 29, y 5 to 5: 20 pixels, worst 155 levels\n\
-                 \x20 x 80 to 80, y 60 to 60: 1 pixels, worst 3 levels\n";
+                 \x20 x 80 to 80, y 60 to 60: 1 pixel, worst 3 levels\n";
     assert!(run.stdout.contains(lines), "{}", run.stdout);
     let report = report(&folder);
     assert_eq!(
@@ -121,9 +121,9 @@ fn many_regions_are_cut_short() {
     (0..25).for_each(|dot| dots.put_pixel(24 * (dot % 5) + 1, 24 * (dot / 5) + 1, Rgb([9, 0, 0])));
     dots.save(folder.path("b.png")).unwrap();
     let run = folder.a2("-compare a.png b.png");
-    assert!(run.stdout.contains("regions        25 with"), "{}", run.stdout);
-    assert!(run.stdout.contains("  and 15 smaller ones: 15 pixels in all\n"), "{}", run.stdout);
-    assert_eq!(run.stdout.matches(": 1 pixels, worst 9 levels").count(), 10);
+    assert!(run.stdout.contains("regions        25 of"), "{}", run.stdout);
+    assert!(run.stdout.contains("  and 15 more: 15 pixels in all\n"), "{}", run.stdout);
+    assert_eq!(run.stdout.matches(": 1 pixel, worst 9 levels").count(), 10);
 }
 
 #[test]

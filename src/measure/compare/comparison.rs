@@ -2,6 +2,7 @@
 
 use super::picture::{Differences, Picture};
 use super::regions::{Region, regions};
+use crate::error::counted;
 use image::RgbImage;
 use std::fmt;
 
@@ -121,14 +122,16 @@ impl Comparison {
         if self.regions.is_empty() {
             return Ok(());
         }
-        writeln!(f, "regions        {} with pixels over {} levels:", self.regions.len(), self.levels)?;
+        let levels = counted(usize::from(self.levels), "level");
+        writeln!(f, "regions        {} of pixels over {levels}:", self.regions.len())?;
         let (shown, others) = self.regions.split_at(SHOWN_REGIONS.min(self.regions.len()));
         for Region { left, top, right, bottom, pixels, worst } in shown {
-            writeln!(f, "  x {left} to {right}, y {top} to {bottom}: {pixels} pixels, worst {worst} levels")?;
+            let (pixels, worst) = (counted(*pixels as usize, "pixel"), counted(usize::from(*worst), "level"));
+            writeln!(f, "  x {left} to {right}, y {top} to {bottom}: {pixels}, worst {worst}")?;
         }
         if !others.is_empty() {
             let pixels: u64 = others.iter().map(|region| region.pixels).sum();
-            writeln!(f, "  and {} smaller ones: {pixels} pixels in all", others.len())?;
+            writeln!(f, "  and {} more: {} in all", others.len(), counted(pixels as usize, "pixel"))?;
         }
         Ok(())
     }
