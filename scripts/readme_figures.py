@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the table of figures in README.md and writes it between the two marks there.
+"""Measures the table of figures in README.md and writes it between the two marks there, and its figures into README.zh.md.
 
 Usage: scripts/readme_figures.py STARTER_FOLDER [--runs N]
 
@@ -66,6 +66,15 @@ def ratios():
     return f"The same scenes, whole processes ([benches/peers](benches/peers/README.md), {entry['date'][:10]}): {'; '.join(texts)}."
 
 
+def with_figures(text, rows):
+    """Returns the text with the figures of the rows in its own table, whose descriptions stay."""
+    for row in rows:
+        number, _, figures = row.removeprefix("| ").split(" | ", 2)
+        text, count = re.subn(rf"^(\| {number} \| [^|]* \| ).*$", lambda found: found[1] + figures, text, flags=re.MULTILINE)
+        assert count == 1, number
+    return text
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("starter", type=Path)
@@ -87,9 +96,11 @@ def main():
         END,
     ]
     readme = PROJECT / "README.md"
-    text = readme.read_text()
+    text = readme.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END) + len(END)
-    readme.write_text(text[:start] + "\n".join(table) + text[end:])
+    readme.write_text(text[:start] + "\n".join(table) + text[end:], encoding="utf-8")
+    chinese = PROJECT / "README.zh.md"
+    chinese.write_text(with_figures(chinese.read_text(encoding="utf-8"), rows), encoding="utf-8")
     print("\n".join(table[1:-1]))
 
 

@@ -27,6 +27,7 @@ mod pages;
 mod parse_errors;
 mod picture_files;
 mod pixel;
+mod readme;
 #[cfg(unix)]
 mod report;
 mod rust_source;
