@@ -85,9 +85,11 @@ class Reporter:
         command = [self.judge, "-compare", path, reference, "-report", result]
         command += ["-diff", panel] if panel else []
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-        if result.is_file():
-            return json.loads(result.read_text()), ""
-        return None, done.stderr.strip() or f"a2 -compare ended with {done.returncode}"
+        report = json.loads(result.read_text()) if result.is_file() else {}
+        # Pictures of two sizes have a report without figures.
+        if "pixels_over_levels" in report:
+            return report, ""
+        return None, (done.stderr or done.stdout).strip() or f"a2 -compare ended with {done.returncode}"
 
     def picture(self, name):
         picture = Picture(name, self.work / name, self.samples / name, panel=self.work / f"panel_{name}")
@@ -131,13 +133,15 @@ class Reporter:
             result.curve_message = f"no curve: the program {run.status}, {run.messages or run.detail or 'and wrote none'}"
 
 
-def first_line(command):
-    """Returns the first line that a command prints; nothing if it fails."""
+def version(program):
+    """Returns what a program says of its version, in one line; nothing if it fails."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
+        done = subprocess.run([program, "-version"], capture_output=True, text=True, timeout=10)
     except (OSError, subprocess.TimeoutExpired):
         return ""
-    return done.stdout.strip().partition("\n")[0] if done.returncode == 0 else ""
+    # A line that begins with spaces goes on with the one before.
+    lines = re.sub(r"\n\s+", " ", done.stdout).splitlines() if done.returncode == 0 else []
+    return "; ".join(" ".join(line.split()) for line in lines)
 
 
 def processor():
@@ -152,8 +156,8 @@ def processor():
 def versions(program, judge, samples):
     """Returns what made the page, as pairs of a name and a text."""
     return [
-        ("program", f"{program.name}: {first_line([program, '-version']) or 'says no version'}"),
-        ("compared by", first_line([judge, "-version"])),
+        ("program", f"{program.name}: {version(program) or 'says no version'}"),
+        ("compared by", version(judge)),
         ("references", str(samples)),
         ("machine", f"{processor()}, {os.cpu_count()} threads, {platform.system()} {platform.machine()}"),
         ("Python", platform.python_version()),

@@ -1,6 +1,7 @@
 //! `scripts/report.py` writes one page that needs nothing else.
 
 use crate::support::{Folder, batch, project};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
@@ -58,6 +59,12 @@ fn a_report_holds_every_picture_and_asks_for_no_other_file() {
         let command = format!("a2 -input data/{}.txt -size {SIZE} {SIZE} ", scene.name);
         assert_eq!(count(&page, &command), 1, "{command}");
     }
+
+    // Pictures of another size are shown, and cannot be compared. Of a flag given twice, the last one counts.
+    folder.write("small", format!("#!/bin/sh\nexec {} \"$@\" -size 9 8\n", env!("CARGO_BIN_EXE_a2")));
+    std::fs::set_permissions(folder.path("small"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let page = report(&folder, Path::new("./small"));
+    assert_eq!((count(&page, "the other picture 9 x 8"), count(&page, "class=\"slider\"")), (21, 0));
 
     // A program that renders nothing has a page that says so.
     let page = report(&folder, Path::new("/bin/false"));
