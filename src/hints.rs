@@ -35,7 +35,8 @@ fn mirror_without_bounces(
     let mirror = materials.iter().find(|material| !is_asked_for && material.value.is_mirror())?;
     let place = description.source.location(mirror.span);
     Some(format!(
-        "{place}: this material is a mirror (its specularColor is longer than 0.1): -bounces 4 shows what it mirrors"
+        "{place}: this material is a mirror (its specularColor is longer than 0.1): give -bounces 4 to see what it \
+         mirrors, or -bounces 0 if it need not"
     ))
 }
 

@@ -12,7 +12,7 @@
 //! 8. [`render`]: which rays, and what becomes of what they see;
 //! 9. [`film`]: bytes and files.
 //!
-//! [`inspect`] shows how single pixels get their colours. [`measure`] computes errors and costs of pictures.
+//! [`mod@inspect`] shows how single pixels get their colours. [`measure`] computes errors and costs of pictures.
 #![forbid(unsafe_code)]
 // Read with --document-private-items: this is a program first.
 #![allow(rustdoc::private_intra_doc_links, rustdoc::redundant_explicit_links)]

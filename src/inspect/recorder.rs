@@ -82,12 +82,6 @@ pub struct Light {
     pub added: Vector3,
 }
 
-impl Light {
-    pub fn is_blocked(&self) -> bool {
-        matches!(self.shadow, Way::Blocked(..))
-    }
-}
-
 /// What is known of the way between a surface and a light.
 #[derive(Debug)]
 pub enum Way {
@@ -117,15 +111,15 @@ impl<'a> Recorder<'a> {
 
     pub fn finish(self, plan: &Plan) -> Path {
         let mirrors = self.steps.len().saturating_sub(1);
-        let end = match self.steps.last().map(|step| &step.met) {
-            Some(Met::Surface(surface)) if !surface.material.is_mirror => {
+        let end = match self.steps.last().and_then(Step::surface) {
+            None => "the ray leaves the scene".to_owned(),
+            Some(surface) if !surface.material.is_mirror => {
                 "the surface is no mirror: its specularColor is not longer than 0.1".to_owned()
             }
-            Some(Met::Surface(_)) if mirrors == plan.bounces as usize => {
+            Some(_) if mirrors == plan.bounces as usize => {
                 format!("the surface is a mirror, but -bounces is {mirrors}")
             }
-            Some(Met::Surface(_)) => "what a further mirror ray sees is too dark to change the sum".to_owned(),
-            Some(Met::Background(_)) | None => "the ray leaves the scene".to_owned(),
+            Some(_) => "what a further mirror ray sees is too dark to change the sum".to_owned(),
         };
         Path { steps: self.steps, end }
     }

@@ -71,7 +71,9 @@ fn pixels_are_those_of_the_picture_and_the_sum_of_their_paths() {
                 check_sums(pixel);
                 mirrors += pixel.path.steps.len() - 1;
                 let surfaces = pixel.path.steps.iter().filter_map(|step| step.surface());
-                blocked += surfaces.flat_map(|surface| &surface.lights).filter(|light| light.is_blocked()).count();
+                let lights = surfaces.flat_map(|surface| &surface.lights);
+                blocked +=
+                    lights.filter(|light| light.added == Vector3::ZERO && light.diffuse != Vector3::ZERO).count();
             }
         }
     }
