@@ -126,7 +126,6 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
         let mut pictures = Vec::new();
         let mut report = render_since(options, &total, (!options.keeps_film()).then_some(&mut pictures))?;
         report.remarks.lines(options.quiet).for_each(|line| say(&line));
-        report.hints.iter().for_each(|hint| say(&format!("hint: {hint}\n")));
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
             report.mesh_files.iter().for_each(|file| say(&format!("mesh {file}\n")));
@@ -170,13 +169,14 @@ fn render_since(
         say(&plan.explain(options));
     }
     let wants_hints = !options.quiet && stderr().is_terminal();
-    let mut hints = if wants_hints { hints::about_scene(&description, &plan, options) } else { Vec::new() };
+    let hints = if wants_hints { hints::about_scene(&description, &plan, options) } else { Vec::new() };
     let (compiled, loading) = timed(|| {
         let compiled = compile(&description, &plan, &mut budget);
         drop(description);
         compiled
     });
-    let Compiled { scene, places, mesh_files, left_out, remarks, build } = compiled?;
+    let Compiled { scene, places, mesh_files, left_out, mut remarks, build } = compiled?;
+    remarks.hints.extend(hints);
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let (rendered, rendering) = timed(|| {
@@ -186,7 +186,7 @@ fn render_since(
     });
     let (options, (frame, convergence)) = (rendered.0.as_ref(), rendered.1?);
     if wants_hints {
-        hints.extend(hints::about_pictures(options, &scene, &frame.counts));
+        remarks.hints.extend(hints::about_pictures(options, &scene, &frame.counts));
     }
     let inspect = |places| inspect(&scene, places, &mesh_files, &plan, options);
     let pixels = places.as_ref().map(inspect).unwrap_or_default();
@@ -207,7 +207,6 @@ fn render_since(
         cost,
         mesh_files,
         remarks,
-        hints,
         depth_range: options.depth.as_ref().map(|depth| (depth.min, depth.max)),
         threads,
         convergence,

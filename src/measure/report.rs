@@ -21,8 +21,6 @@ pub struct Report {
     pub cost: Option<Cost>,
     /// Warnings and hints about the scene.
     pub remarks: Remarks,
-    /// Hints about the scene and its pictures, for a terminal.
-    pub hints: Vec<String>,
     /// The range of the picture of depths.
     pub depth_range: Option<(f64, f64)>,
     /// The files of the scene's meshes.
