@@ -60,7 +60,7 @@ use inspect::inspect;
 use measure::{Convergence, Phases, Reference, Report};
 use memory::Budget;
 use options::{CompareOptions, Options};
-use output::say;
+use output::{OutputFile, say};
 use plan::Plan;
 use progress::Shown;
 use render::Frame;
@@ -118,22 +118,18 @@ fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
 /// Renders a scene and writes its files.
 fn render_to_files(options: &Options) -> Result<Outcome, Error> {
     let total = Stopwatch::start();
-    write::check_files(options)?;
+    let files = write::begin_files(options)?;
     if options.measure.is_adaptive() || options.measure.convergence.is_some() {
         interrupt::let_rendering_end();
     }
     write::worker_threads(options)?.install(|| {
-        let mut pictures = Vec::new();
-        let mut report = render_since(options, &total, (!options.keeps_film()).then_some(&mut pictures))?;
+        let (mut report, pictures) = render_since(options, &total, files)?;
         report.remarks.lines(options.quiet).for_each(|line| say(&line));
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
             report.mesh_files.iter().for_each(|file| say(&format!("mesh {file}\n")));
         }
-        let (written, writing) = timed(|| match options.keeps_film() {
-            true => write::write_pictures(options, &report.frame.film),
-            false => pictures.into_iter().try_for_each(PictureWriter::finish),
-        });
+        let (written, writing) = timed(|| write::finish_pictures(options, pictures, &report.frame.film));
         written?;
         report.phases.encode += writing;
         report.total = total.times();
@@ -149,16 +145,16 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
 /// # Errors
 /// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
-    render_since(options, &Stopwatch::start(), None)
+    Ok(render_since(options, &Stopwatch::start(), Vec::new())?.0)
 }
 
-/// Renders the same. A time limit counts from `start`. If `pictures` is given, they are begun and written while they are
-/// rendered, and are still to be finished; then the report has no film.
+/// Renders the same. A time limit counts from `start`. Pictures whose files are begun are written while they are rendered,
+/// and are still to be finished; then the report has no film.
 fn render_since(
     options: &Options,
     start: &Stopwatch,
-    pictures: Option<&mut Vec<PictureWriter>>,
-) -> Result<Report, Error> {
+    files: Vec<OutputFile>,
+) -> Result<(Report, Vec<PictureWriter>), Error> {
     let limit = write::time_limit(options, start);
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
@@ -178,10 +174,11 @@ fn render_since(
     let Compiled { scene, places, mesh_files, left_out, mut remarks, build } = compiled?;
     remarks.hints.extend(hints);
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
-    output::check_inputs(options.files(), mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
+    output::check_inputs(&files, mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
+    let mut pictures = write::begin_pictures(options, files)?;
     let (rendered, rendering) = timed(|| {
         let options = render::with_depth_range(&scene, options);
-        let rendered = render_pictures(&scene, &plan, &options, limit, reference.as_ref(), pictures);
+        let rendered = render_pictures(&scene, &plan, &options, limit, reference.as_ref(), &mut pictures);
         (options, rendered)
     });
     let (options, (frame, convergence)) = (rendered.0.as_ref(), rendered.1?);
@@ -196,7 +193,7 @@ fn render_since(
         left_out.iter().for_each(|reason| say(&format!("left out: {reason}\n")));
     }
     let threads = rayon::current_num_threads();
-    Ok(Report {
+    let report = Report {
         decoded_faces: scene.background.decoded_faces()?,
         true_error: reference.and_then(|reference| reference.error_of(&frame.film)),
         phases: Phases::new(parse, loading, build, rendering, [frame.filter, frame.writing], threads),
@@ -210,7 +207,8 @@ fn render_since(
         depth_range: options.depth.as_ref().map(|depth| (depth.min, depth.max)),
         threads,
         convergence,
-    })
+    };
+    Ok((report, pictures))
 }
 
 fn parse(options: &Options) -> Result<(Description, Plan), Error> {
@@ -219,14 +217,15 @@ fn parse(options: &Options) -> Result<(Description, Plan), Error> {
     Ok((description, plan))
 }
 
-/// Renders the pictures, into `pictures` or into memory. With `-convergence` it also returns the curves.
+/// Renders the pictures: writes them at the same time, if there are some and that can be, or else into memory. With
+/// `-convergence` it also returns the curves.
 fn render_pictures(
     scene: &Scene,
     plan: &Plan,
     options: &Options,
     limit: Deadline,
     reference: Option<&Reference>,
-    pictures: Option<&mut Vec<PictureWriter>>,
+    pictures: &mut [PictureWriter],
 ) -> Result<(Frame, Option<Convergence>), Error> {
     let progress = Shown::new(options);
     let mut frame = if options.pictures().next().is_none() {
@@ -236,8 +235,7 @@ fn render_pictures(
     } else if options.measure.convergence.is_some() {
         let (frame, curves) = measure::render_convergence(scene, plan, options, reference, &progress);
         return Ok((frame, Some(curves)));
-    } else if let Some(pictures) = pictures {
-        *pictures = write::begin_pictures(options)?;
+    } else if !options.keeps_film() && !pictures.is_empty() {
         let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
         render::render_bands(scene, plan, options, writers.collect(), &progress)?
     } else {

@@ -6,7 +6,7 @@ use crate::input::is_standard;
 use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
-use crate::output::{self, say};
+use crate::output::{self, OutputFile, say};
 use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
@@ -15,14 +15,16 @@ use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
-/// Checks before a long computation that all files can be written, and that none of them is read.
+/// Begins all files before a long computation: checks that they can be written, and that none of them is read. Pictures come
+/// first.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that cannot be written.
-pub fn check_files(options: &Options) -> Result<(), Error> {
-    output::check(options.files_by_flag())?;
+pub fn begin_files(options: &Options) -> Result<Vec<OutputFile>, Error> {
+    let files = output::begin(options.files_by_flag())?;
     let inputs = [Some(options.input.as_path()), options.measure.reference.as_deref()];
-    output::check_inputs(options.files(), inputs.into_iter().flatten())
+    output::check_inputs(&files, inputs.into_iter().flatten())?;
+    Ok(files)
 }
 
 /// Starts the worker threads: where the system allows fewer than wanted, so many, with a warning. The main thread is
@@ -65,30 +67,30 @@ pub fn time_limit(options: &Options, start: &Stopwatch) -> Deadline {
     options.measure.time_limit.map_or(Deadline::ON_INTERRUPT, |limit| start.deadline(limit - MARGIN))
 }
 
-/// Begins the files of the pictures.
-///
-/// # Errors
-/// [`Error::File`] for a file that cannot be made.
-pub fn begin_pictures(options: &Options) -> Result<Vec<PictureWriter>, Error> {
-    let size = (options.width, options.height);
-    let is_colored = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
-    let depth = if is_colored { Plane::ColoredDepth } else { Plane::Depth };
-    let pictures = [
-        (Plane::Color, options.color.as_deref()),
-        (Plane::Normals, options.normals.as_deref()),
-        (depth, options.depth.as_ref().map(|depth| depth.path.as_path())),
-    ];
-    let begin = |(plane, path): (Plane, Option<&Path>)| Some(PictureWriter::new(path?, plane, size));
-    pictures.into_iter().filter_map(begin).collect()
-}
-
-/// Writes the pictures of a film.
+/// Begins the pictures, in the files that were begun for them.
 ///
 /// # Errors
 /// [`Error::File`] for a file that cannot be written.
-pub fn write_pictures(options: &Options, film: &Film) -> Result<(), Error> {
-    let mut pictures = begin_pictures(options)?;
-    pictures.par_iter_mut().try_for_each(|picture| picture.write(film))?;
+pub fn begin_pictures(options: &Options, files: Vec<OutputFile>) -> Result<Vec<PictureWriter>, Error> {
+    let size = (options.width, options.height);
+    let is_colored = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
+    let is_wanted = [
+        (Plane::Color, options.color.is_some()),
+        (Plane::Normals, options.normals.is_some()),
+        (if is_colored { Plane::ColoredDepth } else { Plane::Depth }, options.depth.is_some()),
+    ];
+    let planes = is_wanted.into_iter().filter_map(|(plane, is_wanted)| is_wanted.then_some(plane));
+    planes.zip(files).map(|(plane, file)| PictureWriter::new(file, plane, size)).collect()
+}
+
+/// Finishes the pictures. Those of a film are written only now.
+///
+/// # Errors
+/// [`Error::File`] for a file that cannot be written.
+pub fn finish_pictures(options: &Options, mut pictures: Vec<PictureWriter>, film: &Film) -> Result<(), Error> {
+    if options.keeps_film() {
+        pictures.par_iter_mut().try_for_each(|picture| picture.write(film))?;
+    }
     pictures.into_iter().try_for_each(PictureWriter::finish)?;
     match (&options.measure.error_map, film.error_map()) {
         (Some(path), Some(bytes)) => film::write_png(path, film.width, film.height, &bytes),

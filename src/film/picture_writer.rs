@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::options::has_extension;
 use crate::output::OutputFile;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 /// What of a film a file shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,16 +38,15 @@ enum Format {
 }
 
 impl PictureWriter {
-    /// Begins a file of a picture of this size.
+    /// Begins a picture of this size in a file, whose name says the format.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be made.
-    pub fn new(path: &Path, plane: Plane, size: (u32, u32)) -> Result<Self, Error> {
-        let mut file = OutputFile::new(path, "the picture")?;
-        let format = if has_extension(path, "pfm") {
+    /// [`Error::File`] if it cannot be written.
+    pub fn new(mut file: OutputFile, plane: Plane, size: (u32, u32)) -> Result<Self, Error> {
+        let format = if has_extension(file.name(), "pfm") {
             file.write_all(pfm_header(size).as_bytes()).map_err(|error| file.refused(&error))?;
             Format::Pfm
-        } else if has_extension(path, "exr") {
+        } else if has_extension(file.name(), "exr") {
             Format::Exr(Vec::new())
         } else {
             let is_grey = plane == Plane::Depth;

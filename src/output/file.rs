@@ -1,11 +1,11 @@
 //! [`OutputFile`]: a file that is being written.
 
-use super::target::{Target, standard_output};
+use super::target::{Target, check_replaceable, standard_output};
 use super::temporary::Temporary;
 use crate::error::Error;
 use crate::input::is_standard;
 use std::fs::{File, Permissions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, IsTerminal as _, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{SpooledTempFile, spooled_tempfile};
 
@@ -44,6 +44,35 @@ impl OutputFile {
             }
         };
         Ok(Self { name: name.to_owned(), what, place })
+    }
+
+    /// Begins a file long before it is finished, and checks that it can get its name.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot.
+    pub fn checked(name: &Path, what: &'static str) -> Result<Self, Error> {
+        if is_standard(name) && io::stdout().is_terminal() {
+            return Err(Error::file(name, "standard output is a terminal: lead it into a file or a pipe"));
+        }
+        let file = Self::new(name, "this file")?;
+        if let Place::File { temporary, path, permissions: Some(permissions) } = &file.place {
+            check_replaceable(name, path, permissions, temporary)?;
+        }
+        Ok(Self { what, ..file })
+    }
+
+    /// Returns how the user calls it.
+    pub fn name(&self) -> &Path {
+        &self.name
+    }
+
+    /// Returns the path with all links resolved, and `-` for standard output; `None` for a device or a pipe, into which
+    /// several may write.
+    pub fn path(&self) -> Option<&Path> {
+        match &self.place {
+            Place::File { path, .. } => Some(path),
+            Place::Stream(_) => Some(self.name()).filter(|name| is_standard(name)),
+        }
     }
 
     /// Returns the message for an error of writing.

@@ -7,7 +7,6 @@ mod target;
 mod temporary;
 
 pub use file::OutputFile;
-pub use target::Target;
 pub use temporary::remove_unfinished;
 
 use crate::error::Error;
@@ -37,40 +36,36 @@ pub fn write_whole(
     file.finish()
 }
 
-/// Checks before a long computation that these files, each with its flag, can be written, and that no two of them are
-/// one.
+/// Begins files before a long computation, each with its flag: checks that they can be written, and that no two of them are
+/// one. Errors of writing call each a picture.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that cannot be written, [`Error::Usage`] for one that two flags write.
-pub fn check<'a>(files: impl Iterator<Item = (&'static str, &'a Path)>) -> Result<(), Error> {
-    let mut checked: Vec<(&str, &Path, Target)> = Vec::new();
+pub fn begin<'a>(files: impl Iterator<Item = (&'static str, &'a Path)>) -> Result<Vec<OutputFile>, Error> {
+    let (mut flags, mut begun) = (Vec::new(), Vec::<OutputFile>::new());
     for (flag, path) in files {
-        let target = Target::of(path)?;
-        if let Some((other, name, _)) = checked.iter().find(|(.., other)| other.is_same_file(&target)) {
-            let (name, path) = (name.display(), path.display());
+        let file = OutputFile::checked(path, "the picture")?;
+        let is_same = |before: &OutputFile| before.path().is_some() && before.path() == file.path();
+        if let Some(index) = begun.iter().position(is_same) {
+            let (other, name, path) = (flags[index], begun[index].name().display(), path.display());
             let message =
                 format!("-{other} {name} and -{flag} {path} are the same file: one of them would be lost");
             return Err(Error::Usage(message));
         }
-        target.check(path)?;
-        checked.push((flag, path, target));
+        flags.push(flag);
+        begun.push(file);
     }
-    Ok(())
+    Ok(begun)
 }
 
 /// Checks that none of the files that will be written is one that is read.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that would be written over.
-pub fn check_inputs<'a>(
-    outputs: impl Iterator<Item = &'a Path> + Clone,
-    inputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<(), Error> {
+pub fn check_inputs<'a>(outputs: &[OutputFile], inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Error> {
     for input in inputs {
         let Ok(path) = input.canonicalize() else { continue };
-        let leads_there =
-            |output| matches!(Target::of(output), Ok(Target::File { path: output, .. }) if output == path);
-        if outputs.clone().any(leads_there) {
+        if outputs.iter().any(|output| output.path() == Some(path.as_path())) {
             return Err(Error::file(input, "this file is read, so it must not be written over"));
         }
     }

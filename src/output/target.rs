@@ -4,7 +4,7 @@ use super::temporary::Temporary;
 use crate::error::Error;
 use crate::input::is_standard;
 use std::fs::{self, File, Permissions};
-use std::io::{self, ErrorKind, IsTerminal};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Where the name of a file leads.
@@ -45,40 +45,28 @@ impl Target {
             Err(error) => Err(refused(error)),
         }
     }
+}
 
-    /// Returns whether both lead to one file or to standard output. Devices and pipes may be written into twice.
-    pub fn is_same_file(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::File { path, .. }, Self::File { path: other, .. }) => path == other,
-            (Self::StandardOutput, Self::StandardOutput) => true,
-            _ => false,
-        }
+/// Checks that a file can be replaced by a temporary one, without changing it. `name` is how the user calls it.
+///
+/// # Errors
+/// [`Error::File`] if it cannot.
+pub fn check_replaceable(
+    name: &Path,
+    path: &Path,
+    permissions: &Permissions,
+    temporary: &Temporary,
+) -> Result<(), Error> {
+    let refused = |error: io::Error| Error::io(name, "write this file", &error);
+    if permissions.readonly() {
+        return Err(Error::file(name, "this file is read-only"));
     }
-
-    /// Checks that the file can be written, without changing it. `name` is how the user calls it.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot.
-    pub fn check(&self, name: &Path) -> Result<(), Error> {
-        let refused = |error: io::Error| Error::io(name, "write this file", &error);
-        if matches!(self, Self::StandardOutput) && io::stdout().is_terminal() {
-            return Err(Error::file(name, "standard output is a terminal: lead it into a file or a pipe"));
-        }
-        let Self::File { path, permissions } = self else { return Ok(()) };
-        let temporary = Temporary::beside(path).map_err(refused)?;
-        let Some(permissions) = permissions else { return Ok(()) };
-        if permissions.readonly() {
-            return Err(Error::file(name, "this file is read-only"));
-        }
-        File::options().write(true).open(path).map_err(refused)?;
-        if is_anothers(path, &temporary).map_err(refused)? {
-            return Err(Error::file(
-                name,
-                "this file is another user's, and its folder lets only the owner replace it",
-            ));
-        }
-        Ok(())
+    File::options().write(true).open(path).map_err(refused)?;
+    if is_anothers(path, temporary).map_err(refused)? {
+        let message = "this file is another user's, and its folder lets only the owner replace it";
+        return Err(Error::file(name, message));
     }
+    Ok(())
 }
 
 /// Returns standard output as a file, without the buffer that Rust keeps for it.

@@ -78,6 +78,8 @@ struct State<'a> {
     /// Number of the first one.
     first: usize,
     in_flight: VecDeque<InFlight>,
+    /// Films of bands that are written: to use one again takes less time than to get memory.
+    spare: Vec<Film>,
     writers: Vec<Writer<'a>>,
     totals: Totals,
     error: Option<Error>,
@@ -117,14 +119,14 @@ impl<'a> Bands<'a> {
     /// There must be a writer.
     pub fn new(tiles: Tiles, planes: Planes, writers: Vec<&'a mut dyn BandWriter>) -> Self {
         let writers = writers.into_iter().map(|writer| Writer { writer: Some(writer), next: 0 }).collect();
-        let (in_flight, totals) = (VecDeque::new(), Totals::default());
+        let (in_flight, spare, totals) = (VecDeque::new(), Vec::new(), Totals::default());
         Self {
             tiles,
             planes,
             next_tile: AtomicUsize::new(0),
             finished_tiles: AtomicUsize::new(0),
             is_stopped: AtomicBool::new(false),
-            state: Mutex::new(State { first: 0, in_flight, writers, totals, error: None }),
+            state: Mutex::new(State { first: 0, in_flight, spare, writers, totals, error: None }),
             has_moved: Condvar::new(),
         }
     }
@@ -208,7 +210,8 @@ impl<'a> Bands<'a> {
     /// Joins the tiles of a band, all of which are finished.
     fn finish(&self, band: &Band) {
         let first = self.tiles.tile(band.number * self.tiles.columns());
-        let mut film = Film::new(self.tiles.width, first.height, self.planes);
+        let spare = locked(&self.state).spare.pop().filter(|film| film.height == first.height);
+        let mut film = spare.unwrap_or_else(|| Film::new(self.tiles.width, first.height, self.planes));
         let (mut costs, mut x) = (Vec::with_capacity(band.tiles.len()), 0);
         for tile in band.tiles.iter().filter_map(|tile| locked(tile).take()) {
             film.place(x, 0, &tile.film);
@@ -233,6 +236,7 @@ impl<'a> Bands<'a> {
         let Due { index, writer, film } = due;
         let start = Instant::now();
         let written = writer.write(&film);
+        drop(film);
         let mut state = locked(&self.state);
         state.totals.writing += start.elapsed();
         state.writers[index].next += 1;
@@ -263,9 +267,10 @@ impl<'a> State<'a> {
     fn retire_written(&mut self) {
         let unwritten = self.writers.iter().map(|writer| writer.next).min().unwrap_or(self.first);
         while self.first < unwritten {
-            let costs = self.in_flight.pop_front().map_or(Vec::new(), |written| written.costs);
-            costs.into_iter().for_each(|cost| self.totals.add(cost));
             self.first += 1;
+            let Some(InFlight { film, costs, .. }) = self.in_flight.pop_front() else { continue };
+            costs.into_iter().for_each(|cost| self.totals.add(cost));
+            self.spare.extend(film.and_then(Arc::into_inner));
         }
     }
 }

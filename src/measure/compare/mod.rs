@@ -52,8 +52,7 @@ pub fn compare_files(options: &CompareOptions) -> Result<Comparison, (Error, u8)
 fn read_both(options: &CompareOptions) -> Result<(Picture, Picture), Error> {
     let files = [("diff", options.diff.as_deref()), ("report", options.report.as_deref())];
     let files = files.into_iter().filter_map(|(flag, path)| Some((flag, path?)));
-    output::check(files.clone())?;
-    output::check_inputs(files.map(|file| file.1), [options.a.as_path(), &options.b])?;
+    output::check_inputs(&output::begin(files)?, [options.a.as_path(), &options.b])?;
     Ok((Picture::read(&options.a)?, Picture::read(&options.b)?))
 }
 
