@@ -37,6 +37,11 @@ struct Face {
     texels: OnceLock<Result<Vec<u8>, String>>,
 }
 
+/// Returns the paths of the six pictures in a folder.
+pub fn face_paths(folder: &Path) -> [PathBuf; 6] {
+    FACE_NAMES.map(|name| folder.join(format!("{name}.png")))
+}
+
 impl CubeMap {
     /// Opens the six pictures of a folder. Reads only their sizes.
     ///

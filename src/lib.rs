@@ -34,9 +34,11 @@ pub mod light;
 pub mod material;
 pub mod measure;
 pub mod memory;
+pub mod merge;
 pub mod objects;
 pub mod options;
 pub mod output;
+pub mod part;
 pub mod picture_file;
 pub mod plan;
 mod progress;
@@ -97,6 +99,10 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
             Ok(Outcome { text: String::new(), exit_code: 2 })
         }
         Request::Compare(options) => compare(&options),
+        Request::Merge(options) => {
+            merge::merge(&options).map_err(with_code)?;
+            Ok(Outcome { text: String::new(), exit_code: 0 })
+        }
         Request::Render(options) if options.check => {
             let text = check::check(&options).map_err(with_code)?;
             Ok(Outcome { text, exit_code: 0 })
@@ -123,7 +129,12 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
         interrupt::let_rendering_end();
     }
     write::worker_threads(options)?.install(|| {
-        let (mut report, pictures) = render_since(options, &total, files)?;
+        let Some((mut report, pictures)) = render_since(options, &total, files)? else {
+            if !options.quiet {
+                say("nothing is rendered: the pictures are done\n");
+            }
+            return Ok(Outcome { text: String::new(), exit_code: 0 });
+        };
         report.remarks.lines(options.quiet).for_each(|line| say(&line));
         if options.explain {
             say(&format!("{}cube map faces decoded: {}\n", report.frame.counts, report.decoded_faces));
@@ -145,22 +156,28 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
 /// # Errors
 /// [`Error`] for a mistake in the scene or in a file that it names.
 pub fn render_scene(options: &Options) -> Result<Report, Error> {
-    Ok(render_since(options, &Stopwatch::start(), Vec::new())?.0)
+    let options = &Options { skip_done: false, ..options.clone() };
+    let rendered = render_since(options, &Stopwatch::start(), Vec::new())?;
+    Ok(rendered.expect("nothing is skipped").0)
 }
 
 /// Renders the same. A time limit counts from `start`. Pictures whose files are begun are written while they are rendered,
-/// and are still to be finished; then the report has no film.
+/// and are still to be finished; then the report has no film. `None`: all pictures are done already, and may be skipped.
 fn render_since(
     options: &Options,
     start: &Stopwatch,
     files: Vec<OutputFile>,
-) -> Result<(Report, Vec<PictureWriter>), Error> {
+) -> Result<Option<(Report, Vec<PictureWriter>)>, Error> {
     let limit = write::time_limit(options, start);
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
     let reference = Reference::wanted_by(options)?;
     let (parsed, parse) = timed(|| parse(options));
     let (description, plan) = parsed?;
+    let hash = options.wants_labels().then(|| scene::hash_of_files(&description));
+    if options.skip_done && hash.is_some_and(|hash| write::are_done(options, hash)) {
+        return Ok(None);
+    }
     if options.explain {
         say(&plan.explain(options));
     }
@@ -175,7 +192,7 @@ fn render_since(
     remarks.hints.extend(hints);
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(&files, mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
-    let mut pictures = write::begin_pictures(options, files)?;
+    let mut pictures = write::begin_pictures(options, files, hash)?;
     let (rendered, rendering) = timed(|| {
         let options = render::with_depth_range(&scene, options);
         let rendered = render_pictures(&scene, &plan, &options, limit, reference.as_ref(), &mut pictures);
@@ -208,7 +225,7 @@ fn render_since(
         threads,
         convergence,
     };
-    Ok((report, pictures))
+    Ok(Some((report, pictures)))
 }
 
 fn parse(options: &Options) -> Result<(Description, Plan), Error> {

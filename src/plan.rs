@@ -5,7 +5,7 @@
 use crate::error::counted;
 use crate::material::Material;
 use crate::options::{Epsilon, Options};
-use crate::scene_file::{At, Description, Leaf, LeafShape, Node};
+use crate::scene_file::{At, Description, LeafShape};
 use crate::simd::InstructionSet;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -164,18 +164,10 @@ impl Plan {
 /// Returns the materials that any object has, in the order of the file.
 pub fn materials_in_use(description: &Description) -> Vec<&At<Material>> {
     let mut indices = BTreeSet::new();
-    visit_leaves(&description.root, &mut |leaf| {
+    description.root.visit_leaves(&mut |leaf| {
         indices.insert(leaf.material);
     });
     indices.into_iter().map(|index| &description.materials[index as usize]).collect()
-}
-
-fn visit_leaves<'a>(node: &'a Node, visit: &mut impl FnMut(&'a Leaf)) {
-    match node {
-        Node::Group(members) => members.iter().for_each(|member| visit_leaves(member, visit)),
-        Node::Transform { child, .. } => visit_leaves(child, visit),
-        Node::Leaf(leaf) => visit(leaf),
-    }
 }
 
 /// Returns an upper bound of the colour that any ray sees before mirrors are followed, in any component.
@@ -189,7 +181,7 @@ fn radiance_bound(
     robust: bool,
 ) -> Option<Real> {
     let mut unit_normals = true;
-    visit_leaves(&description.root, &mut |leaf| {
+    description.root.visit_leaves(&mut |leaf| {
         // -robust makes every normal a unit vector.
         if let (LeafShape::Shape(shape), false) = (&leaf.shape, robust) {
             unit_normals &= shape.has_unit_normal();

@@ -7,6 +7,7 @@ use crate::measure::{self, Report};
 use crate::memory;
 use crate::options::Options;
 use crate::output::{self, OutputFile, say};
+use crate::part::Label;
 use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
@@ -67,20 +68,44 @@ pub fn time_limit(options: &Options, start: &Stopwatch) -> Deadline {
     options.measure.time_limit.map_or(Deadline::ON_INTERRUPT, |limit| start.deadline(limit - MARGIN))
 }
 
-/// Begins the pictures, in the files that were begun for them.
+/// Returns the planes that are shown, with the names of their files, in the order of [`Options::pictures`].
+fn planes(options: &Options) -> impl Iterator<Item = (Plane, &Path)> {
+    let depth = options.depth.as_ref();
+    let is_colored = depth.is_some_and(|depth| depth.background.is_some());
+    let planes = [
+        (Plane::Color, options.color.as_deref()),
+        (Plane::Normals, options.normals.as_deref()),
+        (if is_colored { Plane::ColoredDepth } else { Plane::Depth }, depth.map(|depth| depth.path.as_path())),
+    ];
+    planes.into_iter().filter_map(|(plane, path)| Some((plane, path?)))
+}
+
+/// Returns whether all pictures are there already: whole, and by the same scene, arguments and version. `hash` is that of
+/// the scene and its files.
+pub fn are_done(options: &Options, hash: u128) -> bool {
+    let shown = options.shown();
+    planes(options).all(|(plane, path)| {
+        let label = Label::new(options, plane, hash).to_string();
+        film::read_label(path) == Some(label) && film::is_whole(path, (shown.width, shown.height))
+    })
+}
+
+/// Begins the pictures, in the files that were begun for them. They get labels if there is a `hash`, that of the scene and
+/// its files.
 ///
 /// # Errors
 /// [`Error::File`] for a file that cannot be written.
-pub fn begin_pictures(options: &Options, files: Vec<OutputFile>) -> Result<Vec<PictureWriter>, Error> {
-    let size = (options.width, options.height);
-    let is_colored = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
-    let is_wanted = [
-        (Plane::Color, options.color.is_some()),
-        (Plane::Normals, options.normals.is_some()),
-        (if is_colored { Plane::ColoredDepth } else { Plane::Depth }, options.depth.is_some()),
-    ];
-    let planes = is_wanted.into_iter().filter_map(|(plane, is_wanted)| is_wanted.then_some(plane));
-    planes.zip(files).map(|(plane, file)| PictureWriter::new(file, plane, size)).collect()
+pub fn begin_pictures(
+    options: &Options,
+    files: Vec<OutputFile>,
+    hash: Option<u128>,
+) -> Result<Vec<PictureWriter>, Error> {
+    let shown = options.shown();
+    let begin = |((plane, _), file)| {
+        let label = hash.map(|hash| Label::new(options, plane, hash).to_string());
+        PictureWriter::new(file, plane, (shown.width, shown.height), label.as_deref())
+    };
+    planes(options).zip(files).map(begin).collect()
 }
 
 /// Finishes the pictures. Those of a film are written only now.
@@ -154,10 +179,14 @@ pub fn say_what_is_written(options: &Options, report: &Report) {
     }
 }
 
-/// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or as many as there are processors.
+/// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or the processors that the process may use, by
+/// its affinity and its control group. A task of the scheduler Slurm takes no more than it was given.
 fn processors() -> usize {
-    let named = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse().ok());
-    named.filter(|&count| count > 0).unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
+    let number = |name| std::env::var(name).ok().and_then(|count| count.parse().ok()).filter(|&count| count > 0);
+    number("RAYON_NUM_THREADS").unwrap_or_else(|| {
+        let here = thread::available_parallelism().map_or(1, usize::from);
+        number("SLURM_CPUS_PER_TASK").map_or(here, |given: usize| given.min(here))
+    })
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Error> {

@@ -19,6 +19,7 @@ pub const GROUPS: &[(&str, &[Flag])] = &[
     ("Quality", QUALITY),
     ("Measuring", MEASURING),
     ("Running", RUNNING),
+    ("Parts of a picture", PARTS),
     ("Comparing", COMPARING),
     ("Help", HELP),
 ];
@@ -179,6 +180,33 @@ const RUNNING: &[Flag] = &[
         "SIZE is bytes, or a number with K, M or G (powers of 1024).",
     ),
     flag("quiet", &[], "No progress and no hints", "Warnings that a picture is wrong are still printed."),
+];
+
+const PARTS: &[Flag] = &[
+    flag(
+        "region",
+        &["X", "Y", "W", "H"],
+        "Render only this part, from the top left",
+        "The picture is W x H pixels of the whole one, byte for byte, from column X and row Y on.",
+    ),
+    flag(
+        "tile",
+        &["I/N"],
+        "Render only part I of N: some rows",
+        "With more parts than rows it is a piece of a row. Parts are of nearly equal size.",
+    ),
+    flag(
+        "skip-done",
+        &[],
+        "Leave alone what the same run has finished before",
+        "That is, pictures that are whole, and of the same scene, files, flags and version.",
+    ),
+    flag(
+        "merge",
+        &["OUT", "PART..."],
+        "Join parts to one picture instead of rendering",
+        "It is the file that one run would write. Parts of another picture, gaps and overlaps are refused.",
+    ),
 ];
 
 const COMPARING: &[Flag] = &[

@@ -7,6 +7,7 @@ mod depth;
 mod flags;
 mod help;
 mod measuring;
+mod parts;
 mod pixels;
 mod typed;
 
@@ -14,8 +15,11 @@ pub use flags::{Flag, GROUPS, flags};
 
 use crate::error::Error;
 use crate::input::is_standard;
-use crate::options::{CompareOptions, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, Options, has_extension};
+use crate::options::{
+    CompareOptions, Epsilon, MAX_BOUNCES, MAX_SIDE, MAX_THREADS, MergeOptions, Options, has_extension,
+};
 use crate::simd::InstructionSet;
+use parts::{check_region, merge_options, region};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use typed::{Typed, command, explained, must_be_a_picture, unlike, usage_error, with_two_dashes};
@@ -29,6 +33,7 @@ pub enum Request {
     PrintUsage(String),
     Render(Box<Options>),
     Compare(CompareOptions),
+    Merge(MergeOptions),
 }
 
 /// Parses a command line, without the program's name.
@@ -51,6 +56,9 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error>
     if typed.has("compare") {
         return compare_options(&typed).map(Request::Compare);
     }
+    if typed.has("merge") {
+        return merge_options(&typed).map(Request::Merge);
+    }
     for only_with_compare in ["diff", "tolerance"] {
         if typed.has(only_with_compare) {
             return Err(usage_error(only_with_compare, "goes with -compare only"));
@@ -70,13 +78,16 @@ fn options(typed: &Typed) -> Result<Options, Error> {
     };
     let bounces = format!("a whole number from 0 to {MAX_BOUNCES}");
     let threads = format!("a whole number from 1 to {MAX_THREADS}");
+    let size = (side(0)?.unwrap_or(100), side(1)?.unwrap_or(100));
     let options = Options {
         input,
-        color: typed.path("output").map(must_be_a_picture).transpose()?,
+        color: typed.path("output").map(|path| must_be_a_picture("output", path)).transpose()?,
         depth: depth::picture(typed)?,
         normals: typed.png_path("normals")?,
-        width: side(0)?.unwrap_or(100),
-        height: side(1)?.unwrap_or(100),
+        width: size.0,
+        height: size.1,
+        region: region(typed, size)?,
+        skip_done: typed.has("skip-done"),
         bounces: typed.number("bounces", 0, &bounces, |n| *n <= MAX_BOUNCES)?.unwrap_or(0),
         bounces_are_given: typed.has("bounces"),
         shadows: typed.has("shadows"),
@@ -105,6 +116,7 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         let message = "no picture is asked for: give -output, -depth or -normals (or -check)";
         return Err(Error::Usage(message.into()));
     }
+    check_region(&options)?;
     Ok(options)
 }
 

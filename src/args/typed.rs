@@ -42,8 +42,12 @@ pub(super) fn command(argv: &[OsString]) -> clap::Command {
             // Counted, because a repeated switch is not an error.
             arg.action(ArgAction::Count)
         } else {
+            let count = flag.values.len();
+            let arg = match flag.values[count - 1].ends_with("...") {
+                true => arg.num_args(count..),
+                false => arg.num_args(count),
+            };
             arg.action(if flag.name == "pixel" { ArgAction::Append } else { ArgAction::Set })
-                .num_args(flag.values.len())
                 .value_parser(clap::value_parser!(OsString))
                 .allow_negative_numbers(true)
         }
@@ -154,12 +158,12 @@ pub(super) fn must_be_png(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
 }
 
 /// Checks the name of the colour picture, which may also hold numbers instead of bytes.
-pub(super) fn must_be_a_picture(path: PathBuf) -> Result<PathBuf, Error> {
+pub(super) fn must_be_a_picture(flag: &str, path: PathBuf) -> Result<PathBuf, Error> {
     const EXTENSIONS: &[&str] = if cfg!(feature = "exr") { &["png", "pfm", "exr"] } else { &["png", "pfm"] };
     if is_standard(&path) || EXTENSIONS.iter().any(|extension| has_extension(&path, extension)) {
         return Ok(path);
     }
-    must_be_supported("output", path).and_then(|path| Err(unlike("output", EXTENSIONS, &path)))
+    must_be_supported(flag, path).and_then(|path| Err(unlike(flag, EXTENSIONS, &path)))
 }
 
 /// Makes the error for a file whose name ends in none of these.

@@ -1,12 +1,14 @@
 //! [`PictureWriter`]: writes a plane of a film into a file, band by band.
 
+use super::label::file_beside;
 use super::numbers::{encode_exr, pfm_header, write_pfm_rows};
 use super::png::PngEncoder;
 use super::{BandWriter, Film};
 use crate::error::Error;
 use crate::options::has_extension;
-use crate::output::OutputFile;
+use crate::output::{OutputFile, write_whole};
 use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
 
 /// What of a film a file shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +30,8 @@ pub struct PictureWriter {
     size: (u32, u32),
     /// Rows that are written.
     rows: u32,
+    /// A file beside the picture, and the label that it will hold.
+    label: Option<(PathBuf, String)>,
 }
 
 enum Format {
@@ -38,11 +42,11 @@ enum Format {
 }
 
 impl PictureWriter {
-    /// Begins a picture of this size in a file, whose name says the format.
+    /// Begins a picture of this size in a file, whose name says the format, with a label.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
-    pub fn new(mut file: OutputFile, plane: Plane, size: (u32, u32)) -> Result<Self, Error> {
+    pub fn new(mut file: OutputFile, plane: Plane, size: (u32, u32), label: Option<&str>) -> Result<Self, Error> {
         let format = if has_extension(file.name(), "pfm") {
             file.write_all(pfm_header(size).as_bytes()).map_err(|error| file.refused(&error))?;
             Format::Pfm
@@ -50,10 +54,11 @@ impl PictureWriter {
             Format::Exr(Vec::new())
         } else {
             let is_grey = plane == Plane::Depth;
-            let encoder = PngEncoder::new(size, is_grey).map_err(|error| file.refused(&error))?;
+            let encoder = PngEncoder::new(size, is_grey, label).map_err(|error| file.refused(&error))?;
             Format::Png(Box::new(encoder))
         };
-        Ok(Self { file, plane, format, size, rows: 0 })
+        let label = label.and_then(|label| Some((file_beside(file.name())?, label.to_owned())));
+        Ok(Self { file, plane, format, size, rows: 0, label })
     }
 
     /// Writes what is left, and gives the file its name. All rows must have been written.
@@ -70,7 +75,15 @@ impl PictureWriter {
             }
         };
         ended.map_err(|error| self.file.refused(&error))?;
-        self.file.finish()
+        let Some((path, label)) = self.label else { return self.file.finish() };
+        // At no time does it belong to another picture.
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(Error::io(&path, "replace the label", &error));
+            }
+            _ => self.file.finish()?,
+        }
+        write_whole(&path, "the label", |writer| writer.write_all(label.as_bytes()))
     }
 
     fn write_band(&mut self, band: &Film) -> io::Result<()> {

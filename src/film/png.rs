@@ -3,6 +3,7 @@
 //! Rows are filtered by that one of two filters that leaves fewer bytes which are not 0, because the fast compressor makes
 //! next to nothing of zeros. One row in four chooses, which takes a quarter of the time.
 
+use super::label::KEYWORD;
 use crate::error::Error;
 use crate::output::write_whole;
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, StreamWriter};
@@ -40,7 +41,7 @@ pub fn encode_png(width: u32, height: u32, bytes: &[u8]) -> io::Result<Vec<u8>> 
 
 fn write(writer: &mut impl Write, width: u32, height: u32, bytes: &[u8]) -> io::Result<()> {
     let is_grey = bytes.len() == width as usize * height as usize;
-    let mut encoder = PngEncoder::new((width, height), is_grey)?;
+    let mut encoder = PngEncoder::new((width, height), is_grey, None)?;
     encoder.write_rows(bytes, writer)?;
     writer.write_all(&encoder.finish()?)
 }
@@ -82,16 +83,19 @@ impl Write for Encoded {
 }
 
 impl PngEncoder {
-    /// Begins a picture of this size. Rows of a grey one have one byte a pixel.
+    /// Begins a picture of this size. Rows of a grey one have one byte a pixel. A label is put into a text chunk.
     ///
     /// # Errors
     /// As the library.
-    pub fn new((width, height): (u32, u32), is_grey: bool) -> io::Result<Self> {
+    pub fn new((width, height): (u32, u32), is_grey: bool, label: Option<&str>) -> io::Result<Self> {
         let encoded = Encoded(Arc::new(Mutex::new(Vec::with_capacity(SMALLEST_CHUNK))));
         let mut encoder = Encoder::new(encoded.clone(), width, height);
         encoder.set_color(ColorType::Rgb);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_deflate_compression(DeflateCompression::FdeflateUltraFast);
+        if let Some(label) = label {
+            encoder.add_text_chunk(KEYWORD.to_owned(), label.to_owned()).map_err(into_io)?;
+        }
         let writer = encoder.write_header().map_err(into_io)?;
         let (width, rgb_bytes) = (width as usize, 3 * width as usize);
         // The library clears the memory for a chunk, which would be most of the work for a small picture.
@@ -191,7 +195,7 @@ mod tests {
 
     #[test]
     fn missing_rows_are_an_error() {
-        let mut encoder = PngEncoder::new((4, 3), false).unwrap();
+        let mut encoder = PngEncoder::new((4, 3), false, None).unwrap();
         encoder.write_rows(&[7; 24], &mut Vec::new()).unwrap();
         assert!(encoder.finish().is_err());
     }

@@ -211,7 +211,7 @@ impl<'a> Bands<'a> {
     fn finish(&self, band: &Band) {
         let first = self.tiles.tile(band.number * self.tiles.columns());
         let spare = locked(&self.state).spare.pop().filter(|film| film.height == first.height);
-        let mut film = spare.unwrap_or_else(|| Film::new(self.tiles.width, first.height, self.planes));
+        let mut film = spare.unwrap_or_else(|| Film::new(self.tiles.region.width, first.height, self.planes));
         let (mut costs, mut x) = (Vec::with_capacity(band.tiles.len()), 0);
         for tile in band.tiles.iter().filter_map(|tile| locked(tile).take()) {
             film.place(x, 0, &tile.film);
@@ -309,6 +309,7 @@ pub fn bytes_in_flight(tiles: Tiles, planes: Planes) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::Region;
     use std::path::Path;
 
     const PLANES: Planes = Planes { color: false, depth: true, normals: false, linear: false, error_map: false };
@@ -339,6 +340,10 @@ mod tests {
         }
     }
 
+    fn tiles(width: u32, height: u32) -> Tiles {
+        Tiles { region: Region::whole(width, height) }
+    }
+
     /// A pixel is the sum of its column and its row.
     fn render(tile: &Tile) -> RenderedTile {
         let mut film = Film::new(tile.width, tile.height, PLANES);
@@ -364,7 +369,7 @@ mod tests {
         // The first is so wide that two bands are in flight at most.
         for (width, height) in [(1 << 18, 71), (40, 4000), (1, 1), (17, 33)] {
             let mut writers = [rows(u32::MAX), rows(u32::MAX), rows(u32::MAX)];
-            let totals = run(Tiles { width, height }, &mut writers).unwrap();
+            let totals = run(tiles(width, height), &mut writers).unwrap();
             assert_eq!(totals.samples.total, u64::from(width * height));
             let expected = (0..height).flat_map(|row| (0..width).map(move |x| (x + row) as u8));
             assert!(expected.eq(writers[0].bytes.iter().copied()), "{width} x {height}");
@@ -375,7 +380,7 @@ mod tests {
     #[test]
     fn an_error_of_a_writer_ends_rendering() {
         let mut writers = [rows(u32::MAX), rows(64)];
-        let error = run(Tiles { width: 1 << 18, height: 16 * 300 }, &mut writers).map(|_| ()).unwrap_err();
+        let error = run(tiles(1 << 18, 16 * 300), &mut writers).map(|_| ()).unwrap_err();
         assert_eq!(error.to_string(), "picture: row 64");
         assert!(writers[0].height < 200, "{}", writers[0].height);
     }
@@ -384,7 +389,7 @@ mod tests {
     #[should_panic(expected = "a mistake")]
     fn a_panic_ends_rendering() {
         let mut writer = rows(u32::MAX);
-        let bands = Bands::new(Tiles { width: 1 << 18, height: 320 }, PLANES, vec![&mut writer]);
+        let bands = Bands::new(tiles(1 << 18, 320), PLANES, vec![&mut writer]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let render = |tile: &Tile| if tile.row == 32 { panic!("a mistake") } else { render(tile) };
         let _ = pool.install(|| bands.render(&Silent, &|| Box::new(render)));

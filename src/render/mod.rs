@@ -50,10 +50,10 @@ pub fn bytes_needed(options: &Options) -> u64 {
     let of_background = if has_background { 4 } else { 0 };
     let of_findings = of_background + if options.cost.is_some() { 3 * 4 + 3 * 3 } else { 0 };
     if !options.keeps_film() {
-        let tiles = Tiles { width: options.width, height: options.height };
-        let exr = if options.color_is_exr() { 12 * options.pixels() } else { 0 };
-        return bands::bytes_in_flight(tiles, planes).min(options.pixels() * planes.bytes_per_pixel() as u64)
-            + options.pixels() * of_findings as u64
+        let tiles = Tiles { region: options.shown() };
+        let exr = if options.color_is_exr() { 12 * options.pixel_count() } else { 0 };
+        return bands::bytes_in_flight(tiles, planes).min(options.pixel_count() * planes.bytes_per_pixel() as u64)
+            + options.pixel_count() * of_findings as u64
             + exr;
     }
     let measure = &options.measure;
@@ -64,5 +64,5 @@ pub fn bytes_needed(options: &Options) -> u64 {
     };
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
-    options.pixels() * (films * planes.bytes_per_pixel() + sums + of_findings) as u64
+    options.pixel_count() * (films * planes.bytes_per_pixel() + sums + of_findings) as u64
 }

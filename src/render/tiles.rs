@@ -1,7 +1,7 @@
 //! [`Tile`]s: the pieces of a picture that threads render.
 
 use crate::camera::PixelGrid;
-use crate::options::Options;
+use crate::options::{Options, Region};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::trace::escape_direction;
@@ -28,41 +28,41 @@ pub struct Tile {
     pub height: u32,
 }
 
-/// The tiles of a picture, row by row. A row of tiles is a *band*.
+/// The tiles of a part of a picture, row by row. A row of tiles is a *band*.
 #[derive(Clone, Copy, Debug)]
 pub struct Tiles {
-    /// Of the picture.
-    pub width: u32,
-    pub height: u32,
+    pub region: Region,
 }
 
 impl Tiles {
     /// Returns the number of all tiles.
     pub fn count(&self) -> usize {
-        self.columns() * self.height.div_ceil(TILE) as usize
+        self.columns() * self.region.height.div_ceil(TILE) as usize
     }
 
     /// Returns the number of tiles in a band.
     pub fn columns(&self) -> usize {
-        self.width.div_ceil(TILE) as usize
+        self.region.width.div_ceil(TILE) as usize
     }
 
-    /// Returns a tile by its number.
+    /// Returns a tile by its number, at its place in the picture.
     pub fn tile(&self, number: usize) -> Tile {
         let (x, row) = ((number % self.columns()) as u32 * TILE, (number / self.columns()) as u32 * TILE);
-        Tile { x, row, width: TILE.min(self.width - x), height: TILE.min(self.height - row) }
+        let Region { width, height, .. } = self.region;
+        let (width, height) = (TILE.min(width - x), TILE.min(height - row));
+        Tile { x: self.region.x + x, row: self.region.row + row, width, height }
     }
 
     /// Returns the pixels of a whole band.
     pub fn band_pixels(&self) -> u64 {
-        u64::from(self.width) * u64::from(TILE)
+        u64::from(self.region.width) * u64::from(TILE)
     }
 }
 
 impl Tile {
     /// Returns the tiles of a picture, row by row.
     pub fn all(width: u32, height: u32) -> Vec<Self> {
-        let tiles = Tiles { width, height };
+        let tiles = Tiles { region: Region::whole(width, height) };
         (0..tiles.count()).map(|number| tiles.tile(number)).collect()
     }
 
@@ -127,14 +127,15 @@ pub fn decode_faces_ahead(scene: &Scene, plan: &Plan, options: &Options) {
     /// Number of mirrors that are followed.
     const MIRRORS: u32 = 4;
     let (true, Some(cube_map)) = (plan.color, &scene.background.cube_map) else { return };
-    // For a small picture this takes longer than it saves.
-    if options.width < 4 * TRIED || options.height < 4 * TRIED {
+    let shown = options.shown();
+    // For few pixels this takes longer than it saves.
+    if options.pixel_count() < u64::from(4 * TRIED).pow(2) {
         return;
     }
     let grid = PixelGrid { width: options.width, height: options.height };
     let pixel = |i: u32, count: u32| (u64::from(i) * u64::from(count - 1) / u64::from(TRIED - 1)) as u32;
     let rays = (0..TRIED * TRIED).map(|i| {
-        let pixel = (pixel(i % TRIED, options.width), pixel(i / TRIED, options.height));
+        let pixel = (shown.x + pixel(i % TRIED, shown.width), shown.row + pixel(i / TRIED, shown.height));
         scene.camera.ray(grid.ndc(grid.place(pixel, (0.0, 0.0))))
     });
     let directions: Vec<_> = rays.filter_map(|ray| escape_direction(scene, plan, ray, MIRRORS)).collect();

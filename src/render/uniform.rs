@@ -42,7 +42,8 @@ pub fn render_before(
     deadline: Deadline,
     progress: &dyn Progress,
 ) -> Frame {
-    let mut film = FilmWriter::new(options.width, options.height, Planes::wanted_by(options));
+    let shown = options.shown();
+    let mut film = FilmWriter::new(shown.width, shown.height, Planes::wanted_by(options));
     let rendered = render_tiles(scene, plan, options, deadline, vec![&mut film], progress);
     let totals = rendered.expect("a film takes every band");
     let mut film = film.film;
@@ -80,7 +81,7 @@ fn render_tiles(
     decode_faces_ahead(scene, plan, options);
     let maker = RayMaker::new(options);
     let empty = EmptyTiles::new(scene, plan, options, &maker);
-    let tiles = Tiles { width: options.width, height: options.height };
+    let tiles = Tiles { region: options.shown() };
     let bands = Bands::new(tiles, Planes::wanted_by(options), writers);
     bands.render(progress, &|| {
         let mut renderer = TileRenderer::new(scene, plan, options, deadline, &maker);

@@ -5,6 +5,7 @@
 
 mod compile;
 mod copies;
+mod files;
 mod geometry;
 mod hidden;
 mod hints;
@@ -17,6 +18,7 @@ mod queries;
 mod tally;
 
 pub use compile::{Compiled, compile};
+pub use files::hash_of_files;
 pub use geometry::{Geometry, build_mesh_tree};
 pub use mistakes::without_mistakes;
 pub use obj::{MeshCounts, MeshFile, parse_mesh, triangle_lines};

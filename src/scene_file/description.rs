@@ -61,6 +61,17 @@ pub enum Node {
     Leaf(Leaf),
 }
 
+impl Node {
+    /// Calls `visit` with each leaf, in the order of the file.
+    pub fn visit_leaves<'a>(&'a self, visit: &mut impl FnMut(&'a Leaf)) {
+        match self {
+            Self::Group(members) => members.iter().for_each(|member| member.visit_leaves(visit)),
+            Self::Transform { child, .. } => child.visit_leaves(visit),
+            Self::Leaf(leaf) => visit(leaf),
+        }
+    }
+}
+
 /// The shape of an object.
 #[derive(Debug)]
 pub enum LeafShape {

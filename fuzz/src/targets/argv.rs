@@ -12,6 +12,7 @@ pub fn words(data: &[u8], _: &Path) -> bool {
     match parse(words.clone()) {
         Ok(Request::Render(options)) => must_be_within_limits(&options),
         Ok(Request::Compare(options)) => assert!((0.0..=100.0).contains(&options.percent)),
+        Ok(Request::Merge(options)) => assert!(!options.parts.is_empty()),
         Ok(Request::Print(text) | Request::PrintUsage(text)) => assert!(text.ends_with('\n')),
         Err(Error::Usage(message)) => {
             assert!(!message.is_empty(), "{message}");

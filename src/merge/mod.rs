@@ -1,0 +1,94 @@
+//! `-merge`: joins parts of a picture, row by row, so that memory holds a few rows, however high the picture is. The file
+//! is the same, byte for byte, as if the picture had been rendered at once.
+
+mod cover;
+mod part_reader;
+
+use crate::error::Error;
+use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, read_label};
+use crate::options::{MergeOptions, has_extension};
+use crate::output;
+use crate::part::Label;
+use cover::{Problem, Span, spans};
+use part_reader::PartReader;
+use std::path::{Path, PathBuf};
+
+/// Rows that are joined before they are written.
+const ROWS_AT_ONCE: u32 = 16;
+
+/// Joins the parts of a picture to a file.
+///
+/// # Errors
+/// [`Error::File`] for a file that is no part, is part of another picture or cannot be read, and for the file that cannot be
+/// written; [`Error::Refused`] for parts that overlap or do not cover the picture.
+pub fn merge(options: &MergeOptions) -> Result<(), Error> {
+    let (output, parts) = (options.output.as_path(), &options.parts);
+    let files = output::begin([("merge", output)].into_iter())?;
+    output::check_inputs(&files, parts.iter().map(PathBuf::as_path))?;
+    let labels = labels(output, parts)?;
+    let size = labels[0].size;
+    let places: Vec<_> = labels.iter().map(|label| label.place).collect();
+    let spans = spans(&places, size).map_err(|problem| refusal(&problem, parts))?;
+    let writers = files.into_iter().map(|file| PictureWriter::new(file, Plane::Color, size, None));
+    let mut writers = writers.collect::<Result<Vec<_>, _>>()?;
+    let is_png = numbers(output).is_none();
+    let planes = Planes { color: is_png, linear: !is_png, ..Planes::default() };
+    let mut readers: Vec<Option<PartReader>> = parts.iter().map(|_| None).collect();
+    for Span { rows, parts: active } in spans {
+        for first in rows.clone().step_by(ROWS_AT_ONCE as usize) {
+            let height = ROWS_AT_ONCE.min(rows.end - first);
+            let mut band = Film::new(size.0, height, planes);
+            for &part in &active {
+                let (path, place) = (&parts[part], places[part]);
+                if readers[part].is_none() {
+                    readers[part] = Some(PartReader::open(path, (place.width, place.height))?);
+                }
+                let Some(reader) = &mut readers[part] else { continue };
+                reader.read_rows(place.x, height, &mut band).map_err(|message| Error::file(path, message))?;
+            }
+            writers.iter_mut().try_for_each(|writer| writer.write(&band))?;
+        }
+        active.iter().filter(|&&part| places[part].end_row() == rows.end).for_each(|&part| readers[part] = None);
+    }
+    writers.into_iter().try_for_each(PictureWriter::finish)
+}
+
+/// Returns the format of a picture of numbers; `None` for a PNG.
+fn numbers(path: &Path) -> Option<&'static str> {
+    ["pfm", "exr"].into_iter().find(|extension| has_extension(path, extension))
+}
+
+/// Reads the labels of all parts, which must be of one picture.
+fn labels(output: &Path, parts: &[PathBuf]) -> Result<Vec<Label>, Error> {
+    let mut labels: Vec<Label> = Vec::with_capacity(parts.len());
+    for path in parts {
+        if numbers(output) != numbers(path) {
+            return Err(Error::file(path, format!("its name must end as that of '{}'", output.display())));
+        }
+        let label = read_label(path).as_deref().and_then(Label::parse);
+        let label = label.ok_or_else(|| {
+            // Whether it is there at all comes first.
+            let message = match std::fs::metadata(path) {
+                Err(error) => format!("cannot read this part: {error}"),
+                Ok(_) => "this is no part of a picture: -region, -tile or -skip-done make parts".to_owned(),
+            };
+            Error::file(path, message)
+        })?;
+        if let Some(difference) = labels.first().and_then(|first| label.difference(first)) {
+            let message = format!("this is no part of the picture of '{}': {difference}", parts[0].display());
+            return Err(Error::file(path, message));
+        }
+        labels.push(label);
+    }
+    Ok(labels)
+}
+
+fn refusal(problem: &Problem, parts: &[PathBuf]) -> Error {
+    Error::Refused(match *problem {
+        Problem::Gap { pixel: (x, row) } => format!("no part has the pixel in column {x}, row {row}"),
+        Problem::Overlap { parts: [a, b], pixel: (x, row) } => {
+            let (a, b) = (parts[a].display(), parts[b].display());
+            format!("'{a}' and '{b}' overlap: both have the pixel in column {x}, row {row}")
+        }
+    })
+}
