@@ -23,7 +23,7 @@ _a2() {
 
     case "${cmd}" in
         a2)
-            opts="-input -output -depth -depth-background -normals -size -check -bounces -shadows -jitter -samples -sampler -filter -epsilon -robust -seed -stats -report -reference -error-map -convergence -target-error -time-limit -pixel -cost -explain -threads -simd -plain -max-memory -quiet -compare -diff -tolerance -h -help -version"
+            opts="-input -output -depth -depth-background -normals -size -check -bounces -shadows -jitter -samples -sampler -filter -epsilon -robust -seed -stats -report -reference -error-map -convergence -target-error -time-limit -pixel -cost -explain -threads -simd -plain -max-memory -quiet -region -tile -skip-done -merge -compare -diff -tolerance -h -help -version"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -257,6 +257,27 @@ _a2() {
                     return 0
                     ;;
                 -max-memory)
+                    COMPREPLY=("${cur}")
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                -region)
+                    COMPREPLY=("${cur}")
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                -tile)
+                    COMPREPLY=("${cur}")
+                    if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
+                        compopt -o nospace
+                    fi
+                    return 0
+                    ;;
+                -merge)
                     COMPREPLY=("${cur}")
                     if [[ "${BASH_VERSINFO[0]}" -ge 4 ]]; then
                         compopt -o nospace

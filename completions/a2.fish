@@ -24,6 +24,9 @@ complete -c a2 -o simd -d 'Instruction set: sse2, avx2 or avx512 [the best]' -r 
 avx2\t''
 avx512\t''"
 complete -c a2 -o max-memory -d 'Refuse what needs more memory, as in 500M' -r -f
+complete -c a2 -o region -d 'Render only this part, from the top left' -r -f
+complete -c a2 -o tile -d 'Render only part I of N: some rows' -r -f
+complete -c a2 -o merge -d 'Join parts to one picture instead of rendering' -r -f
 complete -c a2 -o compare -d 'Compare two pictures instead of rendering' -r -F
 complete -c a2 -o diff -d 'A, B and their differences side by side, .png' -r -F
 complete -c a2 -o tolerance -d 'What counts as alike [1 0.01]' -r -f
@@ -36,6 +39,7 @@ complete -c a2 -o stats -d 'Print times, rays, memory and estimated error'
 complete -c a2 -o explain -d 'Say what the scene needs and what is left out'
 complete -c a2 -o plain -d 'Render by the plain definition: slow, same bytes'
 complete -c a2 -o quiet -d 'No progress and no hints'
+complete -c a2 -o skip-done -d 'Leave alone what the same run has finished before'
 complete -c a2 -o h -d 'This list'
 complete -c a2 -o help -d 'The same with details and examples'
 complete -c a2 -o version -d 'Version, build, instruction sets, limits; also -V'

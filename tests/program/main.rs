@@ -25,6 +25,7 @@ mod numbers;
 mod outputs;
 mod pages;
 mod parse_errors;
+mod parts;
 mod picture_files;
 mod pixel;
 mod readme;
