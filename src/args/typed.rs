@@ -75,7 +75,8 @@ pub(super) fn explained(error: &clap::Error) -> String {
     match (error.kind(), known) {
         (ErrorKind::WrongNumberOfValues | ErrorKind::TooFewValues | ErrorKind::InvalidValue, Some(flag)) => {
             let values = counted(flag.values.len(), "value");
-            format!("-{name} needs {values}: -{name} {}", flag.values.join(" "))
+            let or_auto = if name == "depth" { ", or -depth auto FILE" } else { "" };
+            format!("-{name} needs {values}: -{name} {}{or_auto}", flag.values.join(" "))
         }
         (ErrorKind::TooManyValues, Some(_)) => format!("-{name} takes no value"),
         (ErrorKind::UnknownArgument, _) if word.starts_with('-') => {

@@ -79,7 +79,7 @@ fn mistakes_with_depths_are_told() {
             "-depth-background: is about the picture of depths: give -depth too",
         ),
         ("-depth 8 9 d.png -depth-background 0 0 255", "expected three numbers from 0 to 1, found '255'"),
-        ("-depth auto", "-depth needs 3 values"),
+        ("-depth auto", "-depth needs 3 values: -depth MIN MAX FILE, or -depth auto FILE"),
         ("-depth auto d.jpg", "ends in .png, found 'd.jpg'"),
         (
             "-depth 8 auto d.png",

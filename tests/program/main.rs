@@ -35,3 +35,4 @@ mod rust_source;
 mod snapshots;
 #[path = "../support/mod.rs"]
 mod support;
+mod terminal;
