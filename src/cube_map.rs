@@ -10,16 +10,21 @@ use vecmath::{Real, Vector3};
 /// File names of the faces, in the order of [`CubeMap::faces`]: +x, -x, +y, -y, +z, -z.
 const FACE_NAMES: [&str; 6] = ["right", "left", "up", "down", "front", "back"];
 
-/// byte / 255 for each byte. A product with 1/255 would differ in the last bit, which truncation to bytes would show.
-static SHARE: [Real; 256] = {
-    let mut share = [0.0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        share[byte] = byte as Real / 255.0;
-        byte += 1;
-    }
-    share
-};
+/// 1/255 in two parts: the first lacks the lowest eight bits, so that its product with a byte is exact.
+const SHARE_HIGH: Real = Real::from_bits((1.0 as Real / 255.0).to_bits() & !0xff);
+const SHARE_LOW: Real = (1.0 - 255.0 * SHARE_HIGH) / 255.0;
+
+/// Returns byte / 255 to the last bit, without a division. A product with 1/255 would differ in the last bit, which
+/// truncation to bytes would show.
+#[inline(always)]
+fn share(byte: u8) -> Real {
+    // By way of `i32`, from which processors convert.
+    let byte = i32::from(byte) as Real;
+    byte * SHARE_HIGH + byte * SHARE_LOW
+}
+
+/// Bytes behind the last texel, so that eight bytes can be read from every texel on.
+const PADDING: usize = 8;
 
 /// A folder with a picture for each side of a cube.
 #[derive(Debug)]
@@ -31,9 +36,9 @@ pub struct CubeMap {
 #[derive(Debug)]
 struct Face {
     path: PathBuf,
-    width: usize,
-    height: usize,
-    /// Three bytes a texel, rows from the top; or the message why the picture could not be decoded.
+    width: i32,
+    height: i32,
+    /// Three bytes a texel, rows from the top, and [`PADDING`]; or the message why the picture could not be decoded.
     texels: OnceLock<Result<Vec<u8>, String>>,
 }
 
@@ -57,19 +62,35 @@ impl CubeMap {
 
     /// Returns the colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
-        self.texels(&Place::of(direction.normalized())).blend()
+        let place = Place::of(direction.normalized());
+        let spot = Spot::of(&place, self.size(place.face));
+        Texels::read(self.bytes(place.face), &spot).unwrap_or_default().blend(spot.right, spot.below)
     }
 
-    /// Returns the four texels around a place. Decodes the face if it is not decoded yet.
-    #[inline]
-    pub(crate) fn texels(&self, place: &Place) -> Texels {
-        self.faces[place.face % 6].texels(place.u, place.v)
+    /// Returns width and height of a face in texels.
+    #[inline(always)]
+    pub(crate) fn size(&self, face: u32) -> (i32, i32) {
+        let face = &self.faces[face as usize % 6];
+        (face.width, face.height)
+    }
+
+    /// Returns the size of all faces, if they have one in common.
+    pub(crate) fn common_size(&self) -> Option<(i32, i32)> {
+        (1..6).all(|face| self.size(face) == self.size(0)).then(|| self.size(0))
+    }
+
+    /// Returns the bytes of a face, for [`Texels::read`]. Decodes it if it is not decoded yet; one that cannot be is empty.
+    pub(crate) fn bytes(&self, face: u32) -> &[u8] {
+        let face = &self.faces[face as usize % 6];
+        face.texels.get_or_init(|| face.decode()).as_ref().map_or(&[], Vec::as_slice)
     }
 
     /// Decodes the faces that these directions reach, in parallel.
     pub fn decode(&self, directions: &[Vector3]) {
         let mut is_reached = [false; 6];
-        directions.iter().for_each(|&direction| is_reached[Place::of(direction.normalized()).face] = true);
+        directions.iter().for_each(|&direction| {
+            is_reached[Place::of(direction.normalized()).face as usize] = true;
+        });
         self.faces.par_iter().zip(is_reached).with_max_len(1).filter(|reached| reached.1).for_each(|(face, _)| {
             face.texels.get_or_init(|| face.decode());
         });
@@ -102,7 +123,7 @@ impl CubeMap {
 /// The place of the cube map that a ray sees when it leaves the scene.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
-    pub face: usize,
+    pub face: u32,
     /// From 0 to 1, v from the bottom.
     pub u: Real,
     pub v: Real,
@@ -136,31 +157,86 @@ impl Place {
         };
         let is_turned = if is_positive { !x_wins & !y_wins } else { y_wins };
         Self {
-            face: axis + usize::from(!is_positive),
+            face: axis + u32::from(!is_positive),
             u: if is_turned { 1.0 - u } else { u },
             v: if is_positive { v } else { 1.0 - v },
         }
     }
 }
 
-/// The four texels around a place.
-pub(crate) struct Texels {
-    /// Upper left, upper right, lower left, lower right.
-    pub texels: [Vector3; 4],
+/// Where the four texels around a place lie in the bytes of a face.
+#[derive(Clone, Copy)]
+pub(crate) struct Spot {
+    /// Offsets of the left texels of both rows.
+    pub upper: u32,
+    pub lower: u32,
+    /// Bits from a left texel to its right neighbour: 0 at the border, where a texel is its own neighbour.
+    pub step: u32,
     /// Weights of the right texels and of the lower texels.
     pub right: Real,
     pub below: Real,
 }
 
+impl Spot {
+    /// Finds the spot of a place in a face of this size, without branches.
+    #[inline(always)]
+    pub fn of(place: &Place, (width, height): (i32, i32)) -> Self {
+        let (x, y) = (place.u * width as Real, (1.0 - place.v) * height as Real);
+        let ((column, left_of_x), (row, above_y)) = (floored(x), floored(y));
+        let last = (width - 1, height - 1);
+        // Of NaN nothing is known.
+        let (left, upper) = (column.max(0).min(last.0), row.max(0).min(last.1));
+        let lower = (upper + 1).min(last.1);
+        Self {
+            upper: 3 * (upper * width + left) as u32,
+            lower: 3 * (lower * width + left) as u32,
+            step: if left < last.0 { 24 } else { 0 },
+            right: x - left_of_x,
+            below: y - above_y,
+        }
+    }
+}
+
+/// Returns the largest whole number up to `x`, which is at least 0 and far below 2^31: as an integer and as it is. A
+/// conversion of the language would look for numbers beyond the integers, and take three times as long.
+#[inline(always)]
+fn floored(x: Real) -> (i32, Real) {
+    /// From here on all numbers are whole, and so are sums.
+    const WHOLE: Real = 1.0 / Real::EPSILON;
+    let nearest = x + WHOLE;
+    let floor = if nearest - WHOLE > x { nearest - 1.0 } else { nearest };
+    (floor.to_bits().wrapping_sub(WHOLE.to_bits()) as i32, floor - WHOLE)
+}
+
+/// Four texels, a byte for red, green and blue each, red lowest: upper left, upper right, lower left, lower right. What
+/// stands above is of no interest.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Texels(pub [u32; 4]);
+
 impl Texels {
+    /// Reads the texels at a spot of a face; `None` from a face that could not be decoded.
+    #[inline(always)]
+    pub fn read(bytes: &[u8], spot: &Spot) -> Option<Self> {
+        // Both texels of a row at once.
+        let row = |offset: u32| {
+            let (start, end) = (offset as usize, offset as usize + PADDING);
+            let row = u64::from_le_bytes(*bytes.get(start..end)?.first_chunk()?);
+            Some([row as u32, (row >> (spot.step % 64)) as u32])
+        };
+        let ([a, b], [c, d]) = (row(spot.upper)?, row(spot.lower)?);
+        Some(Self([a, b, c, d]))
+    }
+
     /// Interpolates bilinearly. Four equal texels give their own value to the bit, which v(1 - w) + vw would not.
     #[inline(always)]
-    pub fn blend(&self) -> Vector3 {
+    pub fn blend(self, right: Real, below: Real) -> Vector3 {
+        let color =
+            |texel: u32| Vector3::new(share(texel as u8), share((texel >> 8) as u8), share((texel >> 16) as u8));
         let between = |from: Vector3, to: Vector3, share: Real| from + (to - from) * share;
-        let [upper_left, upper_right, lower_left, lower_right] = self.texels;
-        let upper = between(upper_left, upper_right, self.right);
-        let lower = between(lower_left, lower_right, self.right);
-        between(upper, lower, self.below)
+        let [upper_left, upper_right, lower_left, lower_right] = self.0.map(color);
+        let upper = between(upper_left, upper_right, right);
+        let lower = between(lower_left, lower_right, right);
+        between(upper, lower, below)
     }
 }
 
@@ -171,7 +247,7 @@ impl Face {
         let other = ["jpg", "jpeg", "bmp"].map(|extension| path.with_extension(extension));
         match PictureFile::open(&path) {
             Ok(PictureFile { width, height, .. }) => {
-                Ok(Self { width: width as usize, height: height as usize, texels: OnceLock::new(), path })
+                Ok(Self { width: width as i32, height: height as i32, texels: OnceLock::new(), path })
             }
             Err(message) => Err(match other.iter().find(|other| !path.exists() && other.exists()) {
                 Some(other) => format!("cube map face '{}': a face must be a PNG picture", other.display()),
@@ -180,33 +256,14 @@ impl Face {
         }
     }
 
-    /// Returns the four texels around (u, v), both from 0 to 1, v from the bottom. Black if the picture cannot be
-    /// decoded.
-    #[inline]
-    fn texels(&self, u: Real, v: Real) -> Texels {
-        let Ok(texels) = self.texels.get_or_init(|| self.decode()) else {
-            return Texels { texels: [Vector3::ZERO; 4], right: 0.0, below: 0.0 };
-        };
-        let (x, y) = (u * self.width as Real, (1.0 - v) * self.height as Real);
-        // A conversion to `u32` is faster than one to `usize`.
-        let (column, row) = (x as u32, y as u32);
-        let (right, below) = (x - column as Real, y - row as Real);
-        let (column, row) = (column as usize, row as usize);
-        let (left_of, right_of) = (column.min(self.width - 1), (column + 1).min(self.width - 1));
-        let (upper, lower) = (row.min(self.height - 1) * self.width, (row + 1).min(self.height - 1) * self.width);
-        let (texels, _) = texels.as_chunks::<3>();
-        let texel = |index: usize| Vector3::from(texels[index].map(|channel| SHARE[channel as usize]));
-        let texels =
-            [texel(upper + left_of), texel(upper + right_of), texel(lower + left_of), texel(lower + right_of)];
-        Texels { texels, right, below }
-    }
-
     fn decode(&self) -> Result<Vec<u8>, String> {
         let picture = PictureFile::open(&self.path)?;
-        if (picture.width as usize, picture.height as usize) != (self.width, self.height) {
+        if (picture.width as i32, picture.height as i32) != (self.width, self.height) {
             return Err("the file changed while it was used".to_owned());
         }
-        Ok(picture.decode()?.into_rgb8().into_raw())
+        let mut texels = picture.decode()?.into_rgb8().into_raw();
+        texels.extend([0; PADDING]);
+        Ok(texels)
     }
 }
 
@@ -222,7 +279,7 @@ mod tests {
                 path: PathBuf::new(),
                 width: 2,
                 height: 2,
-                texels: OnceLock::from(Ok((0..4).flat_map(texel).collect())),
+                texels: OnceLock::from(Ok((0..4).flat_map(texel).chain([0; PADDING]).collect())),
             }
         };
         CubeMap { faces: [0, 1, 2, 3, 4, 5].map(face) }
@@ -258,6 +315,20 @@ mod tests {
         // On the face behind the eye the starter's picture is mirrored: towards +x the column falls.
         assert_eq!(bytes(0.5, 0.0, -1.0)[1], 50.0);
         assert_eq!(bytes(-0.5, 0.0, -1.0)[1], 100.0);
+    }
+
+    #[test]
+    fn shares_are_quotients_to_the_bit() {
+        for byte in 0..=255 {
+            assert_eq!(share(byte), Real::from(byte) / 255.0, "{byte}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_rounded_down() {
+        for x in [0.0, 0.25, 0.5, 0.75, 1.0 - Real::EPSILON, 1.0, 1.5, 2.5, 4095.5, 65_535.75, 65_536.0] {
+            assert_eq!(floored(x), (x as i32, x.floor()), "{x}");
+        }
     }
 
     #[test]
