@@ -20,14 +20,12 @@ impl Pixel {
     /// and normal are not changed if no picture shows them.
     #[inline]
     pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
-        let clamped = |value: Real| if value >= 0.0 { value.min(1.0) } else { 0.0 };
         self.color = seen.color;
-        if let Some((min, max)) = depth_range {
-            let depth = seen.depth.map_or(0.0, |t| (t - min) / (max - min));
-            self.depth = if min == max { 0.0 } else { clamped(depth) };
+        if let Some(range) = depth_range {
+            self.depth = shown_depth(seen.depth, range);
         }
         if shows_normals {
-            self.normal = ((seen.normal + Vector3::splat(1.0)) * 0.5).map(clamped);
+            self.normal = shown_normal(seen.normal);
         }
     }
 
@@ -52,11 +50,21 @@ impl Pixel {
     }
 }
 
-/// Returns the mean of `count` pixels.
-pub fn average(pixels: impl Iterator<Item = Pixel>, count: u32) -> Pixel {
-    let mut mean = Pixel::default();
-    pixels.for_each(|pixel| mean.add(&pixel, 1.0 / count as Real));
-    mean
+/// Maps a depth to what a picture with this range shows.
+#[inline]
+pub fn shown_depth(depth: Option<Real>, (min, max): (Real, Real)) -> Real {
+    let depth = depth.map_or(0.0, |t| (t - min) / (max - min));
+    if min == max { 0.0 } else { clamped(depth) }
+}
+
+/// Maps a normal to what a picture shows.
+#[inline]
+pub fn shown_normal(normal: Vector3) -> Vector3 {
+    ((normal + Vector3::splat(1.0)) * 0.5).map(clamped)
+}
+
+fn clamped(value: Real) -> Real {
+    if value >= 0.0 { value.min(1.0) } else { 0.0 }
 }
 
 /// Returns a colour with NaN as 0, and infinity as the largest `f32`.

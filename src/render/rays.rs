@@ -1,12 +1,12 @@
 //! [`RayMaker`]: makes the rays of a pixel, and pixels of what rays see.
 
-use super::pixel::{Pixel, average, filtered};
+use super::pixel::{Pixel, filtered, finite, shown_depth, shown_normal};
 use super::samples::SamplePattern;
 use crate::camera::{PixelGrid, Place};
 use crate::options::Options;
 use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
 use crate::trace::Seen;
-use vecmath::Real;
+use vecmath::{Real, Vector3};
 
 /// Makes the rays of pixels.
 pub struct RayMaker {
@@ -132,10 +132,21 @@ impl RayMaker {
     /// Returns what all rays of a pixel of the picture saw together: with `-jitter` the mean of the samples of each pixel
     /// of the traced grid, with `-filter` the filtered block of these.
     pub fn mean(&self, seen: &[Seen]) -> Pixel {
-        let mut grid_pixels = seen
-            .chunks(self.samples as usize)
-            .map(|seen| average(seen.iter().map(|seen| self.displayed(seen).sanitized()), self.samples));
+        let mut grid_pixels = seen.chunks(self.samples as usize).map(|seen| self.mean_of_samples(seen));
         if self.finer > 1 { filtered(grid_pixels) } else { grid_pixels.next().unwrap_or_default() }
+    }
+
+    /// Computes only what pictures show.
+    fn mean_of_samples(&self, seen: &[Seen]) -> Pixel {
+        let share = 1.0 / self.samples as Real;
+        let mut mean = Pixel { color: mean_color(seen, share), ..Pixel::default() };
+        if let Some(range) = self.depth_range {
+            seen.iter().for_each(|seen| mean.depth += shown_depth(seen.depth, range) * share);
+        }
+        if self.shows_normals {
+            seen.iter().for_each(|seen| mean.normal += shown_normal(seen.normal) * share);
+        }
+        mean
     }
 
     /// Returns the pixel of the picture that shows what all its rays saw: their mean, or what the only one saw.
@@ -164,6 +175,20 @@ impl RayMaker {
     pub fn display(&self, seen: &Seen, pixel: &mut Pixel) {
         pixel.show(seen, self.depth_range, self.shows_normals);
     }
+}
+
+/// Adds up colours times `share`, made [`finite`].
+fn mean_color(seen: &[Seen], share: Real) -> Vector3 {
+    let (mut sum, mut sizes) = (Vector3::ZERO, Vector3::ZERO);
+    for Seen { color, .. } in seen {
+        sum += *color * share;
+        sizes += color.map(Real::abs);
+    }
+    // The usual case: all are finite as they are.
+    if finite(sizes) == sizes {
+        return sum;
+    }
+    seen.iter().fold(Vector3::ZERO, |sum, seen| sum + finite(seen.color) * share)
 }
 
 /// Divides the interval from 0 to 1 in the ratio 1 : 2 : 1, and returns the part in which a place lies and the place

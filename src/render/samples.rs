@@ -111,7 +111,12 @@ fn write_stratified(key: u64, cells: Cells, samples: &mut [(Real, Real)]) {
     for first in cells.rows() {
         let (row, later) = rest.split_at_mut(first.columns as usize);
         for (column, sample) in row.iter_mut().enumerate() {
-            *sample = Cell { column: column as u32, ..first }.place(sample.0, sample.1);
+            let cell = Cell { column: column as u32, ..first };
+            // Products with powers of two are quotients to the bit, and take a fraction of the time.
+            *sample = match first.columns.is_power_of_two() && first.count.is_power_of_two() {
+                true => cell.place_by(*sample, |a, b| a * (1.0 / b)),
+                false => cell.place(sample.0, sample.1),
+            };
         }
         rest = later;
     }
@@ -172,9 +177,14 @@ impl Cell {
     /// Takes a place in the cell to a place in the pixel.
     #[inline(always)]
     fn place(&self, x: Real, y: Real) -> (Real, Real) {
+        self.place_by((x, y), |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn place_by(&self, (x, y): (Real, Real), divide: impl Fn(Real, Real) -> Real) -> (Real, Real) {
         let (columns, count) = (self.columns as Real, self.count as Real);
-        let x = (self.column as Real + x) / columns;
-        let y = (self.before as Real + y * columns) / count;
+        let x = divide(self.column as Real + x, columns);
+        let y = divide(self.before as Real + y * columns, count);
         (below_one(x), below_one(y))
     }
 }
