@@ -75,7 +75,7 @@ pub fn trace_ray(
         // The mirror shows what lies in the mirrored direction, tinted by its specular colour.
         bounces -= 1;
         throughput = throughput.scaled_by(surface.material.specular);
-        if !can_change(scene, plan, seen.color, throughput, bounces) {
+        if !can_change(further_light(scene, plan, bounces), seen.color, throughput) {
             return Some(seen);
         }
         if bounces % MIRRORS_BETWEEN_LOOKS == 0 && deadline.is_over() {
@@ -155,17 +155,22 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// Returns an upper bound of the light that a path may still gather in this many `bounces`, in any component, if its
+/// throughput were 1. `None`: there is no bound.
+pub fn further_light(scene: &Scene, plan: &Plan, bounces: u32) -> Option<Real> {
+    let bound = plan.radiance_bound.filter(|_| scene.throughput_never_grows)?;
+    Some(Real::from(bounces as f32 + 1.0) * bound)
+}
+
 /// Returns whether anything further along a path can change a bit of its colour: with a throughput of zero nothing can,
-/// nor with one so small that all the light there is, at most `bounces + 1` times, is lost in rounding.
-pub fn can_change(scene: &Scene, plan: &Plan, color: Vector3, throughput: Vector3, bounces: u32) -> bool {
-    if throughput == Vector3::ZERO {
-        return false;
-    }
-    let Some(bound) = plan.radiance_bound.filter(|_| scene.throughput_never_grows) else {
-        return true;
-    };
-    let rest = Real::from(bounces as f32 + 1.0) * bound;
-    (0..3).any(|c| color[c] + throughput[c].abs() * rest != color[c])
+/// nor with one so small that all [further light](further_light) is lost in rounding. There are no branches, so that
+/// loops over paths vectorise.
+#[inline(always)]
+pub fn can_change(further: Option<Real>, color: Vector3, throughput: Vector3) -> bool {
+    let changes = |c: Real, t: Real| c + t.abs() * further.unwrap_or(0.0) != c;
+    let (c, t) = (color, throughput);
+    let is_something = (t.x != 0.0) | (t.y != 0.0) | (t.z != 0.0);
+    is_something & (further.is_none() | changes(c.x, t.x) | changes(c.y, t.y) | changes(c.z, t.z))
 }
 
 /// Returns the colour and the throughput of a path that goes on, with components that are finite. Mirrors that brighten

@@ -1,7 +1,7 @@
 //! [`Aabb`]: an axis-aligned box, and the slab test of a ray against it.
 
 use super::{PreparedRay, T_MAX};
-use vecmath::{Matrix4, Real, Vector3, greater, lesser, swapped_if};
+use vecmath::{Matrix4, Real, Vector3, chosen_if, greater, lesser, swapped_if};
 
 /// The points between two corners, faces included. `min > max` means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +84,7 @@ impl Aabb {
     /// vectorise.
     #[inline(always)]
     pub fn entry_branchless(&self, ray: &PreparedRay, margin: Real, t_max: Real) -> (bool, Real) {
-        // In a vectorised loop this choice is one select instruction: there is no branch to avoid by hand.
-        self.interval(ray, margin, t_max, |so, a, b| if so { (b, a) } else { (a, b) })
+        self.interval(ray, margin, t_max, chosen_if)
     }
 
     /// Runs the slab test that both share; `swapped_if` swaps two numbers if its first argument is true.

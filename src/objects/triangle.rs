@@ -23,7 +23,7 @@ pub fn intersect_triangle(ray: &PreparedRay, corners: [Vector3; 3]) -> Option<Su
     if !crossing.is_inside {
         return None;
     }
-    let (near, far) = box_interval(ray, corners, 0.0);
+    let (near, far) = box_interval(ray, corners, 0.0, swapped_if);
     let hit = crossing.hit(near, far);
     ((near <= far || grazes_box(ray, corners)) && hit.t > 0.0).then_some(hit)
 }
@@ -43,7 +43,7 @@ impl ShearAxes {
     #[inline(always)]
     pub fn of(direction: Vector3) -> Self {
         let [x, y, z] = direction.map(Real::abs).to_array();
-        Self::along(if x >= y && x >= z {
+        Self::along(if (x >= y) & (x >= z) {
             0
         } else if y >= z {
             1
@@ -110,9 +110,14 @@ impl Crossing {
 const BOX_ROUNDINGS: Real = 32.0;
 
 /// Returns the t at which the ray's line enters and leaves the box around three points, grown by `margin`. Near an edge
-/// of the box, rounding may put the exit before the entry.
+/// of the box, rounding may put the exit before the entry. `swapped_if` swaps two numbers if its first argument is true.
 #[inline(always)]
-pub fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) -> (Real, Real) {
+pub fn box_interval(
+    ray: &PreparedRay,
+    [a, b, c]: [Vector3; 3],
+    margin: Real,
+    swapped_if: impl Fn(bool, Real, Real) -> (Real, Real),
+) -> (Real, Real) {
     let (mut near, mut far) = (Real::NEG_INFINITY, Real::INFINITY);
     for axis in 0..3 {
         let inverse = ray.inverse_direction[axis];
@@ -132,7 +137,7 @@ pub fn box_interval(ray: &PreparedRay, [a, b, c]: [Vector3; 3], margin: Real) ->
 #[cold]
 fn grazes_box(ray: &PreparedRay, corners: [Vector3; 3]) -> bool {
     let reach = corners.iter().fold(ray.ray.origin.max_abs(), |reach, corner| reach.max(corner.max_abs()));
-    let (near, far) = box_interval(ray, corners, BOX_ROUNDINGS * UNIT_ROUNDOFF * reach);
+    let (near, far) = box_interval(ray, corners, BOX_ROUNDINGS * UNIT_ROUNDOFF * reach, swapped_if);
     near <= far
 }
 

@@ -23,8 +23,9 @@
 //! tree together and share the tests of boxes. *Stream*: rays with nothing in common each keep a stack of their own, but
 //! each step is done for all of them before the next one begins.
 
-use super::{Simd, vectorize};
+use super::{Simd, WIDTH, bits_of, u32x8, vectorize};
 use crate::objects::{PreparedRay, Ray};
+use fearless_simd::prelude::*;
 use vecmath::{Real, Vector3};
 
 /// Lanes of a packet: one for each bit of a mask.
@@ -68,6 +69,17 @@ pub fn is_dense(mask: u64, lanes_per_single: usize) -> bool {
 #[inline(always)]
 pub fn has_lane(mask: u64, lane: usize) -> bool {
     mask >> lane & 1 == 1
+}
+
+/// Returns the lanes with this number.
+pub fn lanes_equal<S: Simd>(simd: S, numbers: &[u32; PACKET], number: u32) -> u64 {
+    vectorize!(simd, {
+        let (groups, _) = numbers.as_chunks();
+        groups.iter().enumerate().fold(0, |lanes, (group, numbers)| {
+            let is_equal = u32x8::load_array_ref(simd, numbers).simd_eq(u32x8::splat(simd, number));
+            lanes | u64::from(bits_of(is_equal)) << (WIDTH * group)
+        })
+    })
 }
 
 /// A vector for each lane, axis by axis.

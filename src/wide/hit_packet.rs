@@ -1,9 +1,9 @@
 //! [`HitPacket`]: the nearest hits of a packet's rays so far.
 
 use crate::objects::{Hit, Object, Shape, SurfaceHit, T_MAX, match_surface};
-use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, span};
+use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, lanes_equal, span};
 use crate::simd::{Simd, vectorize};
-use vecmath::{Real, greater};
+use vecmath::{Real, greater, lesser};
 
 /// The nearest hit of each lane. A query also reads from `t` how far its rays go.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub struct HitPacket {
 }
 
 /// The largest t of a hit.
-pub const BELOW_T_MAX: Real = T_MAX.next_down();
+const BELOW_T_MAX: Real = T_MAX.next_down();
 
 impl HitPacket {
     /// The index of no object.
@@ -38,14 +38,7 @@ impl HitPacket {
 
     /// Returns the active lanes whose nearest hit is on this object.
     pub fn lanes_of<S: Simd>(&self, simd: S, active: u64, object: u32) -> u64 {
-        active
-            & vectorize!(simd, {
-                let mut mask = 0;
-                for lane in 0..PACKET {
-                    mask |= u64::from(self.object[lane] == object) << lane;
-                }
-                mask
-            })
+        active & lanes_equal(simd, &self.object, object)
     }
 
     /// Returns the nearest hit of a lane.
@@ -89,6 +82,27 @@ impl HitPacket {
                 limits[lane] = self.limit(lane, index);
             }
         });
+    }
+
+    /// Sets how far the active rays go: to their `t_max`, and no farther than a hit may be.
+    pub fn set_t_max<S: Simd>(&mut self, simd: S, active: u64, t_max: &Scalars) {
+        vectorize!(simd, {
+            for lane in span(active) {
+                self.t[lane] = lesser(BELOW_T_MAX, t_max[lane]);
+            }
+        });
+    }
+
+    /// Returns the active lanes whose rays go at least as far as `t`.
+    pub fn reached<S: Simd>(&self, simd: S, active: u64, t: &Scalars) -> u64 {
+        active
+            & vectorize!(simd, {
+                let mut reached = 0;
+                for lane in span(active) {
+                    reached |= u64::from(t[lane] <= self.t[lane]) << lane;
+                }
+                reached
+            })
     }
 
     /// Replaces hits of the active lanes by those at `t` that are nearer.

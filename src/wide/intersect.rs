@@ -2,7 +2,7 @@
 //!
 //! They give each lane what [`Geometry::closest_hit`] and [`Geometry::any_hit`] give its ray.
 
-use super::hit_packet::{BELOW_T_MAX, HitPacket};
+use super::hit_packet::HitPacket;
 use super::mesh::MeshQuery;
 use super::triangle::TriangleHits;
 use crate::bvh::{Bvh, CullingPacket, DONE, LeafVisitor, PacketBounds, Shaft, TraversalScratch};
@@ -75,10 +75,10 @@ impl Geometry {
         scratch: &mut Scratch,
         t_max: &Scalars,
     ) -> u64 {
-        let mut hits = scratch.any.take().unwrap_or_else(|| Box::new(HitPacket::NONE));
-        hits.t = t_max.map(|t_max| t_max.min(BELOW_T_MAX));
-        let found = self.query::<S, true>(simd, rays, active, scratch, &mut hits);
-        scratch.any = Some(hits);
+        let mut any = scratch.any.take().unwrap_or_else(|| Box::new(HitPacket::NONE));
+        any.set_t_max(simd, active, t_max);
+        let found = self.query::<S, true>(simd, rays, active, scratch, &mut any);
+        scratch.any = Some(any);
         found
     }
 
@@ -94,8 +94,8 @@ impl Geometry {
             return 0;
         }
         let Scratch { bounds, traversal, object, .. } = scratch;
-        rays.prepare(simd, active);
         bounds.fill(simd, rays, active);
+        let rays = QueryRays { packet: rays, active, is_prepared: false };
         let mut query = Query::<ANY> { geometry: self, rays, scratch: object, hits, found: 0 };
         for &index in &self.object_tree.always {
             let object = &self.objects[index as usize];
@@ -119,12 +119,28 @@ impl Geometry {
 /// infinity where something is hit.
 struct Query<'a, const ANY: bool> {
     geometry: &'a Geometry,
-    /// Prepared.
-    rays: &'a RayPacket,
+    rays: QueryRays<'a>,
     scratch: &'a mut ObjectScratch,
     hits: &'a mut HitPacket,
     /// With `ANY`, the lanes that have hit something: their query is answered.
     found: u64,
+}
+
+/// The rays of a query. Many packets meet no box, and need no reciprocals.
+struct QueryRays<'a> {
+    packet: &'a mut RayPacket,
+    active: u64,
+    is_prepared: bool,
+}
+
+impl QueryRays<'_> {
+    fn prepared<S: Simd>(&mut self, simd: S) -> &RayPacket {
+        if !self.is_prepared {
+            self.packet.prepare(simd, self.active);
+            self.is_prepared = true;
+        }
+        self.packet
+    }
 }
 
 impl<const ANY: bool> Query<'_, ANY> {
@@ -133,7 +149,8 @@ impl<const ANY: bool> Query<'_, ANY> {
         if mask == 0 {
             return;
         }
-        let (entered, unbounded) = traversal.packet.enter(simd, &bvh.space, self.rays, mask, &self.hits.t);
+        let rays = self.rays.prepared(simd);
+        let (entered, unbounded) = traversal.packet.enter(simd, &bvh.space, rays, mask, &self.hits.t);
         bvh.traverse_packet(simd, entered, traversal, &mut ObjectVisitor { objects: &bvh.leaves, query: self });
         for &index in &bvh.leaves {
             let open = unbounded & !self.found;
@@ -167,7 +184,7 @@ impl<const ANY: bool> Query<'_, ANY> {
     /// Tests an object for one ray after the other.
     fn test_singly<S: Simd>(&mut self, simd: S, index: u32, mask: u64) {
         for lane in lanes_in(mask) {
-            let ray = PreparedRay::new(self.rays.get(lane));
+            let ray = PreparedRay::new(self.rays.packet.get(lane));
             if ANY {
                 let is_hit = self.geometry.any_hit_of_object(simd, index, &ray, self.hits.t[lane], &());
                 self.take_any(u64::from(is_hit) << lane);
@@ -200,18 +217,15 @@ impl<const ANY: bool> Query<'_, ANY> {
         let ObjectScratch { rays: own_rays, t, .. } = &mut *self.scratch;
         let transform = self.geometry.objects[index as usize].transform.as_deref();
         let rays = match transform {
-            None => self.rays,
-            Some(transform) => to_object_space(simd, transform, self.rays, mask, own_rays),
+            None => &*self.rays.packet,
+            Some(transform) => to_object_space(simd, transform, self.rays.packet, mask, own_rays),
         };
         intersect_surface(simd, surface, rays, mask, t);
         if let Some(bounds) = bounds {
-            clip_to_bounds(simd, bounds, self.rays, mask, &self.hits.t, t);
+            clip_to_bounds(simd, bounds, self.rays.prepared(simd), mask, &self.hits.t, t);
         }
         if ANY {
-            let mut found = 0;
-            for lane in lanes_in(mask) {
-                found |= u64::from(t[lane] <= self.hits.t[lane]) << lane;
-            }
+            let found = self.hits.reached(simd, mask, t);
             self.take_any(found);
         } else {
             self.hits.take_nearer(simd, index, mask, t);
@@ -219,6 +233,7 @@ impl<const ANY: bool> Query<'_, ANY> {
     }
 
     fn test_mesh<S: Simd>(&mut self, simd: S, mesh: u32, index: u32, mask: u64) {
+        let object = &self.geometry.objects[index as usize];
         let ObjectScratch { rays: own_rays, mesh: scratch, .. } = &mut *self.scratch;
         let scratch = scratch.get_or_insert_with(|| Box::new(MeshScratch::EMPTY));
         let MeshScratch { hits: mesh_hits, exact, traversal } = &mut **scratch;
@@ -227,11 +242,10 @@ impl<const ANY: bool> Query<'_, ANY> {
         } else {
             self.hits.limits(simd, index, mask, &mut mesh_hits.t);
         }
-        let object = &self.geometry.objects[index as usize];
         let rays = match &object.transform {
-            None => self.rays,
+            None => self.rays.prepared(simd),
             Some(transform) => {
-                let rays = to_object_space(simd, transform, self.rays, mask, own_rays);
+                let rays = to_object_space(simd, transform, self.rays.packet, mask, own_rays);
                 rays.prepare(simd, mask);
                 rays
             }
@@ -242,13 +256,14 @@ impl<const ANY: bool> Query<'_, ANY> {
         if found == 0 {
             return;
         }
+        let rays = self.rays.prepared(simd);
         if ANY {
-            let found = self.hits.entering(simd, object, self.rays, found);
+            let found = self.hits.entering(simd, object, rays, found);
             self.take_any(found);
         } else if is_dense(found, 2) {
-            self.hits.take_nearer_in_mesh(simd, object, index, self.rays, found, mesh_hits);
+            self.hits.take_nearer_in_mesh(simd, object, index, rays, found, mesh_hits);
         } else {
-            lanes_in(found).for_each(|lane| self.hits.take_if_nearer(object, index, self.rays, lane, mesh_hits));
+            lanes_in(found).for_each(|lane| self.hits.take_if_nearer(object, index, rays, lane, mesh_hits));
         }
     }
 }

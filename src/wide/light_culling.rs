@@ -105,7 +105,7 @@ mod tests {
             let material = Material { diffuse: Vector3::splat(0.5), specular, shininess };
             for patch in 0..40 {
                 let mut surfaces = SurfacePacket::NONE;
-                surfaces.set_material(u64::MAX, &material);
+                surfaces.set_material(u64::MAX, 0, &material);
                 for lane in 0..PACKET {
                     let angle = patch as Real * 0.4 + lane as Real * 0.01;
                     surfaces.normal.set(lane, direction(angle, 0.2));

@@ -5,7 +5,7 @@ use super::triangle::TriangleHits;
 use crate::bvh::{Bvh, CullingPacket, DONE, FEW, GROUPS, LeafVisitor, Shaft, TraversalScratch, TriangleBlock};
 use crate::objects::{Mesh, ShearAxes, SurfaceHit, intersect_triangle};
 use crate::simd::packet::{RayPacket, has_lane, is_dense, lanes_in, span};
-use crate::simd::{Simd, WIDTH, load};
+use crate::simd::{Simd, WIDTH, load, vectorize};
 use vecmath::{Real, Vector3};
 
 /// A query of the active rays against a mesh, in the mesh's space: for the closest hit, or with `ANY` for any hit.
@@ -75,19 +75,20 @@ impl<const ANY: bool> Run<'_, ANY> {
 
     /// Tests a triangle for the rays of a mask.
     #[inline(always)]
-    fn test_packet(&mut self, mask: u64, triangle: u32, corners: [Vector3; 3]) {
+    fn test_packet<S: Simd>(&mut self, simd: S, mask: u64, triangle: u32, corners: [Vector3; 3]) {
         for axis in 0..3 {
             let MeshQuery { rays, active, .. } = self.query;
-            let here = mask & self.by_shear_axis.get_or_insert_with(|| by_shear_axis(rays, active))[axis];
+            let here = mask & self.by_shear_axis.get_or_insert_with(|| by_shear_axis(simd, rays, active))[axis];
             if here == 0 {
                 continue;
             }
             self.query.exact.intersect(&ShearAxes::along(axis), rays, here, corners);
             let verdict = &self.query.exact.verdict;
             let mut undecided = 0;
-            for lane in lanes_in(here) {
+            for lane in span(here) {
                 undecided |= u64::from(verdict[lane] < 0.0) << lane;
             }
+            undecided &= here;
             let decided = here & !undecided;
             if decided != 0 {
                 if ANY { self.take_any(decided) } else { self.take_nearer(decided, triangle) }
@@ -129,12 +130,17 @@ impl<const ANY: bool> Run<'_, ANY> {
 }
 
 /// Sorts the active lanes by the axis along which their rays are sheared.
-fn by_shear_axis(rays: &RayPacket, active: u64) -> [u64; 3] {
-    let mut axes = [0; 3];
-    for lane in lanes_in(active) {
-        axes[ShearAxes::of(rays.direction.get(lane)).z] |= 1 << lane;
-    }
-    axes
+fn by_shear_axis<S: Simd>(simd: S, rays: &RayPacket, active: u64) -> [u64; 3] {
+    vectorize!(simd, {
+        let mut axes = [0; 3];
+        for lane in span(active) {
+            let z = ShearAxes::of(rays.direction.get(lane)).z;
+            for (axis, lanes) in axes.iter_mut().enumerate() {
+                *lanes |= u64::from(z == axis) << lane;
+            }
+        }
+        axes.map(|lanes| lanes & active)
+    })
 }
 
 /// Visits the leaves of a mesh's tree.
@@ -174,7 +180,7 @@ impl<const ANY: bool> BlockVisitor<'_, '_, ANY> {
         }
         // Lanes between the candidates are tested too, to no purpose.
         if is_dense(candidates, 4) {
-            self.run.test_packet(candidates, block.index(place), self.corners(block, place));
+            self.run.test_packet(simd, candidates, block.index(place), self.corners(block, place));
             return packet.set_t_maxes(candidates, &self.run.query.hits.t);
         }
         for lane in lanes_in(candidates) {

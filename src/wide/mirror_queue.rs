@@ -1,7 +1,8 @@
 //! [`MirrorQueue`]: mirror rays that wait to be followed, with the paths that they continue.
 
-use crate::objects::Ray;
-use crate::simd::packet::{PACKET, RayPacket, Vectors, first_lanes};
+use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, first_lanes, has_lane, lanes_in, span};
+use crate::simd::{Simd, vectorize};
+use crate::trace::Seen;
 use vecmath::Vector3;
 
 /// Paths from the camera, lane by lane.
@@ -24,6 +25,24 @@ impl PathPacket {
         *self = Self::NONE;
         for (lane, camera_ray) in self.camera_ray.iter_mut().enumerate() {
             *camera_ray = first + lane as u32;
+        }
+    }
+
+    /// Adds light to the paths of a mask.
+    pub fn add<S: Simd>(&mut self, simd: S, mask: u64, light: impl Fn(usize) -> Vector3) {
+        vectorize!(simd, {
+            for lane in span(mask) {
+                let before = self.color.get(lane);
+                let color = before + self.throughput.get(lane).scaled_by(light(lane));
+                self.color.set(lane, if has_lane(mask, lane) { color } else { before });
+            }
+        });
+    }
+
+    /// Ends the paths of a mask: their colours are what the camera rays see.
+    pub fn end(&self, mask: u64, seen: &mut [Seen]) {
+        for lane in lanes_in(mask) {
+            seen[self.camera_ray[lane] as usize].color = self.color.get(lane);
         }
     }
 }
@@ -49,19 +68,27 @@ impl MirrorQueue {
         self.count == 0
     }
 
-    /// Adds a mirror ray and the path that it continues.
-    #[inline]
-    pub fn push(&mut self, ray: Ray, camera_ray: u32, color: Vector3, throughput: Vector3) {
-        let (index, lane) = (self.count / PACKET, self.count % PACKET);
-        if index == self.packets.len() {
-            self.packets.push((RayPacket::NONE, PathPacket::NONE));
+    /// Adds the rays of the active lanes, and the paths that they continue.
+    pub fn append(&mut self, active: u64, origin: &Vectors, direction: &Vectors, paths: &PathPacket) {
+        let mut rest = active;
+        while rest != 0 {
+            let (index, place) = (self.count / PACKET, self.count % PACKET);
+            if index == self.packets.len() {
+                self.packets.push((RayPacket::NONE, PathPacket::NONE));
+            }
+            let (rays, to) = &mut self.packets[index];
+            // Lanes side by side are copied together.
+            let first = rest.trailing_zeros() as usize;
+            let count = ((rest >> first).trailing_ones() as usize).min(PACKET - place);
+            let run = Run { first, place, count };
+            run.copy_vectors(origin, &mut rays.origin);
+            run.copy_vectors(direction, &mut rays.direction);
+            run.copy_vectors(&paths.color, &mut to.color);
+            run.copy_vectors(&paths.throughput, &mut to.throughput);
+            run.copy(&paths.camera_ray, &mut to.camera_ray);
+            self.count += count;
+            rest &= !(first_lanes(count) << first);
         }
-        self.count += 1;
-        let (rays, paths) = &mut self.packets[index];
-        rays.set(lane, ray);
-        paths.camera_ray[lane] = camera_ray;
-        paths.color.set(lane, color);
-        paths.throughput.set(lane, throughput);
     }
 
     /// Iterates over the packets, each with its active lanes.
@@ -72,5 +99,25 @@ impl MirrorQueue {
             .iter_mut()
             .enumerate()
             .map(move |(index, (rays, paths))| (rays, paths, first_lanes(count - index * PACKET)))
+    }
+}
+
+/// Lanes side by side: the first one, the place that it is copied to, and how many there are.
+#[derive(Clone, Copy)]
+struct Run {
+    first: usize,
+    place: usize,
+    count: usize,
+}
+
+impl Run {
+    #[inline]
+    fn copy<T: Copy>(self, from: &[T; PACKET], to: &mut [T; PACKET]) {
+        let Self { first, place, count } = self;
+        to[place..place + count].copy_from_slice(&from[first..first + count]);
+    }
+
+    fn copy_vectors(self, from: &Vectors, to: &mut Vectors) {
+        from.0.iter().zip(&mut to.0).for_each(|(from, to): (&Scalars, _)| self.copy(from, to));
     }
 }

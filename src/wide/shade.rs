@@ -1,11 +1,12 @@
 //! Shading of a packet: the formulas of [`light`](crate::light) and [`material`](crate::material) in loops over lanes.
 
+use super::mirror_queue::PathPacket;
 use crate::light::Light;
 use crate::material::{Material, mirrored, power, whole_exponent};
-use crate::objects::Ray;
 use crate::ray_offset::{offset_along, shadow_t_max};
 use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, has_lane, lanes_in, span};
 use crate::simd::{Simd, vectorize};
+use crate::trace::can_change;
 use vecmath::{Real, Vector3};
 
 /// The points of a packet that are being shaded, one a lane.
@@ -17,6 +18,8 @@ pub struct SurfacePacket {
     pub diffuse: Vectors,
     pub specular: Vectors,
     pub shininess: Scalars,
+    /// The index of the material that all lanes have; `None` if they may differ.
+    common: Option<u32>,
     /// Lanes whose material is a mirror; bits of inactive lanes are undefined.
     pub mirrors: u64,
     /// The light that the surface reflects along its ray, without what it mirrors.
@@ -31,13 +34,18 @@ impl SurfacePacket {
         diffuse: Vectors::ZERO,
         specular: Vectors::ZERO,
         shininess: [0.0; PACKET],
+        common: None,
         mirrors: 0,
         color: Vectors::ZERO,
     };
 
     /// Sets the material of the lanes of a mask.
-    pub fn set_material(&mut self, mask: u64, material: &Material) {
+    pub fn set_material(&mut self, mask: u64, index: u32, material: &Material) {
+        if self.common == Some(index) {
+            return;
+        }
         self.mirrors = if material.is_mirror() { self.mirrors | mask } else { self.mirrors & !mask };
+        self.common = (mask == u64::MAX).then_some(index);
         if mask == u64::MAX {
             self.diffuse = Vectors::splat(material.diffuse);
             self.specular = Vectors::splat(material.specular);
@@ -55,11 +63,6 @@ impl SurfacePacket {
     fn material(&self, lane: usize) -> Material {
         let (diffuse, specular) = (self.diffuse.get(lane), self.specular.get(lane));
         Material { diffuse, specular, shininess: self.shininess[lane] }
-    }
-
-    /// Returns the mirror ray that starts `epsilon` along itself.
-    pub fn mirror_ray(&self, lane: usize, epsilon: Real) -> Ray {
-        offset_along(self.point.get(lane), self.reflected.get(lane), epsilon)
     }
 
     /// Sets the points at `t` of the active rays.
@@ -92,23 +95,44 @@ impl SurfacePacket {
         });
     }
 
-    /// Adds what the active points reflect, ambient light included, to the colours of their paths, and lowers the
-    /// throughput to that of a mirror.
-    pub fn add_to_paths<S: Simd>(
-        &self,
-        simd: S,
-        ambient: Vector3,
-        active: u64,
-        throughput: &mut Vectors,
-        color: &mut Vectors,
-    ) {
+    /// Adds what the active points reflect, ambient light included, to the colours of their paths.
+    pub fn add_to_paths<S: Simd>(&self, simd: S, ambient: Vector3, active: u64, paths: &mut PathPacket) {
+        let PathPacket { color, throughput, .. } = paths;
         vectorize!(simd, {
             for lane in span(active) {
                 let reflected = self.color.get(lane) + ambient.scaled_by(self.diffuse.get(lane));
                 color.set(lane, color.get(lane) + throughput.get(lane).scaled_by(reflected));
             }
+        });
+    }
+
+    /// Lowers the throughput of the active paths to that of their mirrors. Returns the paths of which something further
+    /// [can change](can_change) the colour.
+    pub fn lower_throughput<S: Simd>(
+        &self,
+        simd: S,
+        further: Option<Real>,
+        active: u64,
+        PathPacket { color, throughput, .. }: &mut PathPacket,
+    ) -> u64 {
+        active
+            & vectorize!(simd, {
+                let mut changing = 0;
+                for lane in span(active) {
+                    let lowered = throughput.get(lane).scaled_by(self.specular.get(lane));
+                    throughput.set(lane, lowered);
+                    changing |= u64::from(can_change(further, color.get(lane), lowered)) << lane;
+                }
+                changing
+            })
+    }
+
+    /// Moves the active points to where their mirror rays start: `epsilon` along these.
+    pub fn start_mirror_rays<S: Simd>(&mut self, simd: S, active: u64, epsilon: Real) {
+        vectorize!(simd, {
             for lane in span(active) {
-                throughput.set(lane, throughput.get(lane).scaled_by(self.specular.get(lane)));
+                let ray = offset_along(self.point.get(lane), self.reflected.get(lane), epsilon);
+                self.point.set(lane, ray.origin);
             }
         });
     }
@@ -149,7 +173,7 @@ impl LightPacket {
                     self.highlight[lane] = surfaces.reflected.get(lane).dot(seen.to_light).max(0.0);
                 },
             );
-            raise_to_powers(&mut self.highlight, &surfaces.shininess, active);
+            raise_to_powers(&mut self.highlight, &surfaces.shininess, surfaces.common.is_some(), active);
             let mut changed = 0;
             for lane in span(active) {
                 let (to_light, intensity) = (self.to_light.get(lane), self.intensity.get(lane));
@@ -188,14 +212,12 @@ impl LightPacket {
     }
 }
 
-/// Replaces the bases of the active lanes by their [`power`]s, each with its own exponent.
+/// Replaces the bases of the active lanes by their [`power`]s, each with its own exponent. `is_common` says that all
+/// exponents are the same.
 #[inline(always)]
-fn raise_to_powers(bases: &mut Scalars, exponents: &Scalars, active: u64) {
+fn raise_to_powers(bases: &mut Scalars, exponents: &Scalars, is_common: bool, active: u64) {
     let exponent = exponents[active.trailing_zeros() as usize % PACKET];
-    let mut is_common = true;
-    for lane in lanes_in(active) {
-        is_common &= exponents[lane] == exponent;
-    }
+    let is_common = is_common || lanes_in(active).all(|lane| exponents[lane] == exponent);
     let (Some(mut bits), true) = (whole_exponent(exponent), is_common) else {
         return lanes_in(active).for_each(|lane| bases[lane] = power(bases[lane], exponents[lane]));
     };
@@ -244,8 +266,8 @@ mod tests {
         let sets = InstructionSet::available().flat_map(|set| [(20.0, set), (0.5, set)]);
         for (shininess, set) in sets {
             let mut surfaces = SurfacePacket::NONE;
-            surfaces.set_material(u64::MAX, &material(20.0));
-            surfaces.set_material(0x0000_00ff_0000_0000, &material(shininess));
+            surfaces.set_material(u64::MAX, 0, &material(20.0));
+            surfaces.set_material(0x0000_00ff_0000_0000, 1, &material(shininess));
             for lane in 0..PACKET {
                 surfaces.point.set(lane, around(lane, 0.4));
                 surfaces.normal.set(lane, around(lane, 0.9));

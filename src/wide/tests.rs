@@ -138,23 +138,28 @@ fn normals_of_every_shape() {
     for (shape, is_placed) in shapes.iter().flat_map(|shape| [(shape, false), (shape, true)]) {
         let transform = is_placed.then(|| Box::new(Transform::new(&matrix).unwrap()));
         let object = Object::new(shape.clone(), transform, 0, None);
-        for (set, mask) in InstructionSet::available().flat_map(|set| MASKS.map(|mask| (set, mask))) {
+        // Different triangles, or one: without normals at its corners, or with.
+        let triangles: [fn(usize) -> u32; 3] = [|lane| lane as u32 % 3, |_| 0, |_| 2];
+        let cases = InstructionSet::available().flat_map(|set| MASKS.map(|mask| (set, mask)));
+        for ((set, mask), triangle) in cases.flat_map(|case| triangles.map(|triangle| (case, triangle))) {
             let (mut rays, mut hits, mut found) = (RayPacket::NONE, HitPacket::NONE, Vectors::ZERO);
             for lane in 0..PACKET {
                 rays.set(lane, Ray { origin: numbers.vector(), direction: numbers.vector() });
                 let [a, b] = [numbers.next().abs() / 2.0, numbers.next().abs() / 2.0];
-                let triangle = lane as u32 % 3;
-                hits.set_surface(
-                    lane,
-                    SurfaceHit { t: numbers.odd().abs(), triangle, barycentric: [a, b, 1.0 - a - b] },
-                );
+                let (t, barycentric) = (numbers.odd().abs(), [a, b, 1.0 - a - b]);
+                hits.set_surface(lane, SurfaceHit { t, triangle: triangle(lane), barycentric });
             }
-            with_simd!(set, simd => {
-                normals(simd, &object, &meshes, &rays, mask, &hits, &mut scratch, &mut found);
-            });
-            for lane in lanes_in(mask) {
-                let expected = object.normal(&meshes, &rays.get(lane), &hits.surface(lane));
-                assert_eq!(bits(found.get(lane)), bits(expected), "{set}: {shape:?} {:?}", hits.surface(lane));
+            for kept in [true, false] {
+                let before = found;
+                with_simd!(set, simd => {
+                    normals(simd, &object, &meshes, &rays, mask, &hits, kept, &mut scratch, &mut found);
+                });
+                for lane in lanes_in(mask) {
+                    let expected = object.normal(&meshes, &rays.get(lane), &hits.surface(lane));
+                    assert_eq!(bits(found.get(lane)), bits(expected), "{set}: {shape:?} {:?}", hits.surface(lane));
+                }
+                let is_same = |lane| bits(found.get(lane)) == bits(before.get(lane));
+                assert!(!kept || lanes_in(!mask).all(is_same), "{set}: {shape:?}");
             }
         }
     }

@@ -21,11 +21,12 @@ use crate::scene::Scene;
 use crate::simd::Simd;
 use crate::simd::packet::{PACKET, RayPacket, Scalars, has_lane, lanes_in};
 use crate::timing::Deadline;
-use crate::trace::{Seen, can_change, kept_finite};
-use vecmath::Real;
+use crate::trace::{Seen, further_light, kept_finite};
+use vecmath::{Real, Vector3};
 
-/// So many packets of camera rays are followed together: their mirror rays fill packets of their own.
-pub const PACKETS_AT_ONCE: usize = 4;
+/// So many packets of camera rays are followed together: their mirror rays fill packets of their own. Four pixels of 144
+/// rays fill nine packets.
+pub const PACKETS_AT_ONCE: usize = 9;
 
 /// Follows packets of rays through a scene, and counts the rays.
 pub struct PacketTracer<'a, S> {
@@ -98,15 +99,19 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
     pub fn trace(&mut self, grid: PixelGrid, places: &[Place], seen: &mut Vec<Seen>) -> bool {
         let mut is_whole = true;
         self.counts.camera += places.len() as u64;
-        seen.clear();
+        // Paths set colours; without a colour picture they stay black.
+        seen.truncate(if self.plan.color { places.len() } else { 0 });
+        seen.resize(places.len(), Seen::default());
         let mut packet = self.camera_rays.take().unwrap_or_else(|| Box::new((RayPacket::NONE, PathPacket::NONE)));
         let (rays, paths) = &mut *packet;
         for (index, places) in places.chunks(PACKET).enumerate() {
             let active = camera_rays(self.simd, &self.scene.camera, grid, places, rays);
             let hit = self.find_hits(rays, active);
             self.counts.camera_hits += u64::from(hit.count_ones());
-            let first = seen.len();
-            self.record(active, hit, seen);
+            let first = index * PACKET;
+            if self.plan.depth || self.plan.normals {
+                self.record(active, hit, &mut seen[first..]);
+            }
             if self.plan.color {
                 paths.start(first as u32);
                 self.follow(rays, active, hit, paths, self.plan.bounces, seen);
@@ -167,31 +172,29 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
                 rays,
                 of_object,
                 hits,
+                rest != hit,
                 normal_scratch,
                 &mut surfaces.normal,
             );
             if self.plan.color {
                 // Setting all lanes is cheapest; the lanes of other objects get their material in a later turn.
                 let mask = if rest == hit { u64::MAX } else { of_object };
-                surfaces.set_material(mask, &scene.materials[object.material as usize]);
+                surfaces.set_material(mask, object.material, &scene.materials[object.material as usize]);
             }
             rest &= !of_object;
         }
         hit
     }
 
-    /// Appends what pictures of depths and normals show of the active camera rays.
-    fn record(&self, active: u64, hit: u64, seen: &mut Vec<Seen>) {
+    /// Sets what pictures of depths and normals show of the active camera rays.
+    fn record(&self, active: u64, hit: u64, seen: &mut [Seen]) {
         let PacketScratch { hits, surfaces, .. } = &*self.scratch;
-        for lane in lanes_in(active) {
-            let mut first = Seen::default();
-            if has_lane(hit, lane) {
-                first.depth = Some(hits.t[lane]);
-                if self.plan.normals {
-                    first.normal = surfaces.normal.get(lane);
-                }
+        for (lane, seen) in lanes_in(active).zip(seen) {
+            let is_hit = has_lane(hit, lane);
+            seen.depth = is_hit.then_some(hits.t[lane]);
+            if self.plan.normals {
+                seen.normal = if is_hit { surfaces.normal.get(lane) } else { Vector3::ZERO };
             }
-            seen.push(first);
         }
     }
 
@@ -212,44 +215,64 @@ impl<'a, S: Simd> PacketTracer<'a, S> {
         }
         self.arrive(rays, hit);
         self.add_lights(hit);
-        let PacketScratch { surfaces, beside, .. } = &*self.scratch;
-        let PathPacket { color, throughput, camera_ray } = paths;
-        surfaces.add_to_paths(self.simd, self.scene.ambient_light, hit, throughput, color);
-        let mut beside = beside.iter();
-        let mirrors = if bounces > 0 { surfaces.mirrors } else { 0 };
-        for lane in lanes_in(hit) {
-            let beside = beside.next();
-            let (color, throughput) = (color.get(lane), throughput.get(lane));
-            let goes_on =
-                has_lane(mirrors, lane) && can_change(self.scene, self.plan, color, throughput, bounces - 1);
-            if !goes_on {
-                seen[camera_ray[lane] as usize].color = color;
-                continue;
-            }
-            let ray = match beside {
-                Some(beside) => beside.mirror_ray(surfaces.reflected.get(lane), self.plan.robust),
-                None => surfaces.mirror_ray(lane, self.epsilon),
-            };
-            let (color, throughput) = kept_finite(self.scene, color, throughput);
-            self.mirror_rays.push(ray, camera_ray[lane], color, throughput);
+        let surfaces = &self.scratch.surfaces;
+        surfaces.add_to_paths(self.simd, self.scene.ambient_light, hit, paths);
+        let mut goes_on = if bounces > 0 { hit & surfaces.mirrors } else { 0 };
+        if goes_on != 0 {
+            let further = further_light(self.scene, self.plan, bounces - 1);
+            goes_on = surfaces.lower_throughput(self.simd, further, goes_on, paths);
+            self.leave(hit, goes_on, paths);
         }
+        paths.end(hit & !goes_on, seen);
     }
 
-    /// Ends the paths of the active rays, which see the background.
-    fn add_background(&mut self, rays: &RayPacket, active: u64, paths: &PathPacket, seen: &mut [Seen]) {
+    /// Adds the background to the paths of the active rays, and ends them.
+    fn add_background(&mut self, rays: &RayPacket, active: u64, paths: &mut PathPacket, seen: &mut [Seen]) {
         if active == 0 {
             return;
         }
         let background = &self.scene.background;
-        let colors = background.cube_map.as_ref().map(|cube_map| {
-            let scratch = self.scratch.cube_map.get_or_insert_with(|| Box::new(CubeMapScratch::EMPTY));
-            cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch)
-        });
-        for lane in lanes_in(active) {
-            let light = colors.map_or(background.color, |colors| colors.get(lane));
-            let color = paths.color.get(lane) + paths.throughput.get(lane).scaled_by(light);
-            seen[paths.camera_ray[lane] as usize].color = color;
+        match &background.cube_map {
+            None => paths.add(
+                self.simd,
+                active,
+                #[inline(always)]
+                |_| background.color,
+            ),
+            Some(cube_map) => {
+                let scratch = self.scratch.cube_map.get_or_insert_with(|| Box::new(CubeMapScratch::EMPTY));
+                let colors = cube_map::colors(self.simd, cube_map, &rays.direction, active, scratch);
+                paths.add(
+                    self.simd,
+                    active,
+                    #[inline(always)]
+                    |lane| colors.get(lane),
+                );
+            }
         }
+        paths.end(active, seen);
+    }
+
+    /// Has the mirror rays of `goes_on`, a part of the points of `hit`, followed later.
+    fn leave(&mut self, hit: u64, goes_on: u64, paths: &mut PathPacket) {
+        let PacketScratch { surfaces, beside, .. } = &mut *self.scratch;
+        if self.plan.epsilon != Epsilon::Auto {
+            surfaces.start_mirror_rays(self.simd, goes_on, self.epsilon);
+        }
+        for (lane, beside) in lanes_in(hit).zip(beside.iter()) {
+            let ray = beside.mirror_ray(surfaces.reflected.get(lane), self.plan.robust);
+            surfaces.point.set(lane, ray.origin);
+            surfaces.reflected.set(lane, ray.direction);
+        }
+        if !self.scene.throughput_never_grows {
+            for lane in lanes_in(goes_on) {
+                let (color, throughput) =
+                    kept_finite(self.scene, paths.color.get(lane), paths.throughput.get(lane));
+                paths.color.set(lane, color);
+                paths.throughput.set(lane, throughput);
+            }
+        }
+        self.mirror_rays.append(goes_on, &surfaces.point, &surfaces.reflected, paths);
     }
 
     /// Finds the points that the rays of a mask have hit, and the mirrored directions.

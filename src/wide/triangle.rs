@@ -2,7 +2,7 @@
 
 use crate::objects::{Crossing, ShearAxes, box_interval};
 use crate::simd::packet::{PACKET, RayPacket, Scalars, Vectors, span};
-use vecmath::{Real, Vector3};
+use vecmath::{Real, Vector3, chosen_if};
 
 /// What [`intersect`](Self::intersect) found, lane by lane.
 pub struct TriangleHits {
@@ -32,7 +32,7 @@ impl TriangleHits {
             };
             let line = [in_order(&rays.origin), in_order(&rays.direction), in_order(&rays.inverse_direction)];
             let crossing = Crossing::of(line, ordered);
-            let (near, far) = box_interval(&rays.get_prepared(lane), corners, 0.0);
+            let (near, far) = box_interval(&rays.get_prepared(lane), corners, 0.0, chosen_if);
             let hit = crossing.hit(near, far);
             self.t[lane] = hit.t;
             for corner in 0..3 {

@@ -59,3 +59,9 @@ pub fn swapped_if(swap: bool, a: Real, b: Real) -> (Real, Real) {
     let difference = if swap { x ^ y } else { 0 };
     (Real::from_bits(x ^ difference), Real::from_bits(y ^ difference))
 }
+
+/// Does the same by a choice, which is one instruction in a vectorised loop: there is no branch to avoid by hand.
+#[inline(always)]
+pub fn chosen_if(swap: bool, a: Real, b: Real) -> (Real, Real) {
+    if swap { (b, a) } else { (a, b) }
+}

@@ -1,6 +1,6 @@
 //! [`Vector2`], [`Vector3`] and [`Vector4`]: named components and their arithmetic.
 
-use crate::{Real, exponent, scaled};
+use crate::{Real, exponent, greater, scaled};
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub};
 
 /// Implements the arithmetic that is the same, component by component, for every length.
@@ -37,7 +37,8 @@ macro_rules! componentwise {
             /// Returns the squared Euclidean length.
             #[inline]
             pub fn length_squared(self) -> Real {
-                self.dot(self)
+                // Beside the scalar product this lacks a sum with 0, which would change the sign of -0; squares have none.
+                -0.0 $(+ self.$c * self.$c)+
             }
 
             /// Returns the Euclidean length.
@@ -49,7 +50,9 @@ macro_rules! componentwise {
             /// Returns the largest absolute component; ignores NaN.
             #[inline]
             pub fn max_abs(self) -> Real {
-                (0.0 as Real)$(.max(self.$c.abs()))+
+                let mut largest = 0.0;
+                $(largest = greater(largest, self.$c.abs());)+
+                largest
             }
 
             /// Returns whether no component is infinite or NaN.
