@@ -18,8 +18,23 @@ pub const FEW: u32 = 4;
 /// Boxes that may be pending; where there is no room for more, the rays go on as a stream.
 const STACK: usize = 96;
 
-/// A box that is pending: its node and place there, the rays that have met the node, and how far along it is.
-type Pending = (u32, u32, u64, f32);
+/// A box that is pending.
+#[derive(Clone, Copy)]
+struct Pending {
+    /// Its node, and place there.
+    node: u32,
+    place: u32,
+    /// The rays that have met the node.
+    active: u64,
+    /// How far along it is.
+    near: f32,
+    /// Whether the shaft stays within it, so that testing single rays would be in vain.
+    is_within: bool,
+}
+
+impl Pending {
+    const NONE: Self = Self { node: 0, place: 0, active: 0, near: 0.0, is_within: false };
+}
 
 /// Scratch of packet and stream traversals. A thread keeps it for its next packet.
 pub struct TraversalScratch {
@@ -30,7 +45,7 @@ pub struct TraversalScratch {
 }
 
 impl TraversalScratch {
-    pub const EMPTY: Self = Self { packet: CullingPacket::EMPTY, pending: [(0, 0, 0, 0.0); STACK], stream: None };
+    pub const EMPTY: Self = Self { packet: CullingPacket::EMPTY, pending: [Pending::NONE; STACK], stream: None };
 }
 
 impl<Leaf> Bvh<Leaf> {
@@ -64,26 +79,30 @@ impl<Leaf> Bvh<Leaf> {
                         let [a, b, c, d, e, f] = &node.planes;
                         let load = |plane| load(simd, plane);
                         let planes = [load(a), load(b), load(c), load(d), load(e), load(f)];
-                        let (met, enter) = shaft.intersect(simd, &planes, packet.largest_limit(simd));
+                        let (met, within, enter) = shaft.intersect(simd, &planes, packet.largest_limit(simd));
                         let mut distances = [0.0; WIDTH];
                         enter.store_array(&mut distances);
-                        push(pending, &mut height, child.index() as u32, met, active, &distances);
+                        push(pending, &mut height, child.index() as u32, [met, within], active, &distances);
                     }
                 }
                 if height == 0 {
                     return;
                 }
                 height -= 1;
-                let (node, place, active, _) = pending[height];
+                let Pending { node, place, mut active, near, is_within } = pending[height];
                 let (node, place) = (&self.nodes[node as usize], place as usize % WIDTH);
-                let active = intersect_box(
-                    simd,
-                    [&packet.inverse, &packet.origin_times_inverse],
-                    &node.planes_of(place),
-                    active,
-                    #[inline(always)]
-                    |group| load(simd, &packet.limit[group]),
-                );
+                if !is_within {
+                    active = intersect_box(
+                        simd,
+                        [&packet.inverse, &packet.origin_times_inverse],
+                        &node.planes_of(place),
+                        active,
+                        #[inline(always)]
+                        |group| load(simd, &packet.limit[group]),
+                    );
+                } else if shaft.as_ref().is_some_and(|shaft| near > shaft.end(packet.largest_limit(simd))) {
+                    continue;
+                }
                 if active != 0 {
                     current = Some((node.children[place], active));
                 }
@@ -98,7 +117,7 @@ fn push(
     stack: &mut [Pending; STACK],
     height: &mut usize,
     node: u32,
-    mut met: u32,
+    [mut met, within]: [u32; 2],
     active: u64,
     distances: &[f32; WIDTH],
 ) {
@@ -106,10 +125,11 @@ fn push(
     while met != 0 {
         let place = met.trailing_zeros();
         met &= met - 1;
-        let next = (node, place, active, distances[place as usize % WIDTH]);
+        let near = distances[place as usize % WIDTH];
+        let next = Pending { node, place, active, near, is_within: within >> place & 1 == 1 };
         let mut at = *height;
         *height += 1;
-        while at > bottom && stack[at - 1].3 < next.3 {
+        while at > bottom && stack[at - 1].near < next.near {
             stack[at] = stack[at - 1];
             at -= 1;
         }

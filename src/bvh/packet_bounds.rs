@@ -113,6 +113,11 @@ impl PacketBounds {
         self.world_reach = self.center.max_abs() + 1.01 * Real::from(reach);
     }
 
+    /// Returns at least the largest coordinate of an origin, in world space; infinity if nothing is known of the rays.
+    pub fn origin_reach(&self) -> Real {
+        if self.reach.is_finite() { self.world_reach } else { Real::INFINITY }
+    }
+
     /// Returns the active rays that may meet a box at any t above 0. `sideways_error` is the object's; see
     /// [`Object`](crate::objects::Object).
     pub fn intersect<S: Simd>(&self, simd: S, bounds: &Aabb, sideways_error: Real, active: u64) -> u64 {

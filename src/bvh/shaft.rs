@@ -57,17 +57,23 @@ impl Shaft {
         Some(Self { axis, sign, first, last, at_first, slope: [slopes[0].ends(), slopes[1].ends()] })
     }
 
-    /// Intersects the shaft with eight boxes (lower and upper planes): which ones it meets at a t up to `limit`, and how
-    /// far along.
+    /// Returns how far along the rays are at a t of `limit`, at most.
     #[inline(always)]
-    pub fn intersect<S: Simd>(&self, simd: S, planes: &[f32x8<S>; 6], limit: f32) -> (u32, f32x8<S>) {
-        let end = self.last + limit + SHAFT_MARGIN;
+    pub fn end(&self, limit: f32) -> f32 {
+        self.last + limit + SHAFT_MARGIN - self.first
+    }
+
+    /// Intersects the shaft with eight boxes (lower and upper planes): which ones it meets at a t up to `limit`, which of
+    /// these it stays within sideways, and how far along each begins.
+    #[inline(always)]
+    pub fn intersect<S: Simd>(&self, simd: S, planes: &[f32x8<S>; 6], limit: f32) -> (u32, u32, f32x8<S>) {
         let (zero, sign, first) = (splat(simd, 0.0), splat(simd, self.sign), splat(simd, self.first));
         let axis = self.axis % 3;
         let (near, far) = if self.sign < 0.0 { (axis + 3, axis) } else { (axis, axis + 3) };
         let enter = planes[near].mul_sub(sign, first).max(zero);
         let leave = planes[far].mul_sub(sign, first);
-        let mut met = zero.simd_le(leave) & enter.simd_le(splat(simd, end - self.first));
+        let mut met = zero.simd_le(leave) & enter.simd_le(splat(simd, self.end(limit)));
+        let mut within = met;
         for side in 0..2 {
             let other = (axis + 1 + side) % 3;
             let (low_slope, high_slope) = (splat(simd, self.slope[side].0), splat(simd, self.slope[side].1));
@@ -76,7 +82,8 @@ impl Shaft {
             let low = splat(simd, self.at_first[side].0) + low;
             let high = splat(simd, self.at_first[side].1) + high;
             met = met & low.simd_le(planes[other + 3]) & planes[other].simd_le(high);
+            within = within & high.simd_le(planes[other + 3]) & planes[other].simd_le(low);
         }
-        (bits_of(met), enter)
+        (bits_of(met), bits_of(within), enter)
     }
 }

@@ -30,6 +30,10 @@ const SIDEWAYS_ROUNDINGS: Real = 16.0;
 /// think of the rounding of bounds.
 const BOUNDS_MARGIN: Real = 8192.0 * UNIT_ROUNDOFF;
 
+/// Roundings of a hit's place without a transform, in units of the coordinates: 32 in the test of its triangle's box,
+/// and a few of t and of the planes.
+const HIT_ROUNDINGS: Real = 64.0;
+
 impl Object {
     /// Makes an object of a shape. `bounds` is the box around the shape in object space; `None` if it is infinite.
     pub fn new(shape: Shape, transform: Option<Box<Transform>>, material: u32, bounds: Option<&Aabb>) -> Self {
@@ -104,6 +108,19 @@ impl Object {
             Some(bounds) => bounds.entry_branchless(world, self.margin(world), t_max),
             None => (true, 0.0),
         }
+    }
+
+    /// Returns whether every hit on a triangle certainly lies in the bounds, not before the entry, for rays whose origins
+    /// have no coordinate beyond `reach`. Then the rule of [`closest_hit`](Self::closest_hit) changes no hit.
+    ///
+    /// A hit lies in the box of its triangle, up to rounding: of the ray's way to object space, which the sideways error
+    /// bounds, of the test (twice that, in the same unit), and of t and the box's planes. [`HIT_ROUNDINGS`] are more.
+    pub fn encloses_hits(&self, reach: Real) -> bool {
+        self.bounds.as_ref().is_none_or(|bounds| {
+            let size = bounds.max_abs();
+            let rounding = (4.0 * self.sideways_error + HIT_ROUNDINGS * UNIT_ROUNDOFF) * (reach + size);
+            rounding <= 0.5 * BOUNDS_MARGIN * size
+        })
     }
 
     /// Returns by how much the bounds must grow for a ray.

@@ -117,20 +117,20 @@ impl HitPacket {
         });
     }
 
-    /// Replaces hits of the active lanes by those in a mesh that are nearer.
+    /// Replaces hits of the active lanes by those in a mesh that are nearer. `entry` returns for a lane and its t whether
+    /// the ray enters the object's bounds before that, and where.
     pub fn take_nearer_in_mesh<S: Simd>(
         &mut self,
         simd: S,
-        object: &Object,
         index: u32,
-        world: &RayPacket,
         active: u64,
         in_mesh: &Self,
+        entry: impl Fn(usize, Real) -> (bool, Real),
     ) {
         vectorize!(simd, {
             for lane in span(active) {
                 let (old, before) = (self.t[lane], self.object[lane]);
-                let (meets, entry) = object.entry_branchless(&world.get_prepared(lane), old);
+                let (meets, entry) = entry(lane, old);
                 let new = greater(in_mesh.t[lane], entry);
                 let takes = meets & is_nearer(new, old, index < before) & has_lane(active, lane);
                 self.t[lane] = if takes { new } else { old };
@@ -140,19 +140,6 @@ impl HitPacket {
                 self.barycentric.set(lane, if takes { weights } else { kept });
             }
         });
-    }
-
-    /// Replaces the hit of one lane by that in a mesh, if it is nearer.
-    #[inline(always)]
-    pub fn take_if_nearer(&mut self, object: &Object, index: u32, world: &RayPacket, lane: usize, in_mesh: &Self) {
-        let limit = self.limit(lane, index);
-        let Some(entry) = object.entry(&world.get_prepared(lane), limit) else { return };
-        let hit = in_mesh.surface(lane);
-        let t = greater(hit.t, entry);
-        if t < limit {
-            self.object[lane] = index;
-            self.set_surface(lane, SurfaceHit { t, ..hit });
-        }
     }
 
     /// Returns the active lanes whose rays enter an object's bounds at a t up to and including that of their hit.

@@ -8,7 +8,7 @@ use super::triangle::TriangleHits;
 use crate::bvh::{Bvh, CullingPacket, DONE, LeafVisitor, PacketBounds, Shaft, TraversalScratch};
 use crate::objects::{Aabb, PreparedRay, Shape, Surface, Transform, match_surface};
 use crate::scene::Geometry;
-use crate::simd::packet::{PACKET, RayPacket, Scalars, is_dense, lanes_in, span};
+use crate::simd::packet::{PACKET, RayPacket, Scalars, lanes_in, span};
 use crate::simd::{Simd, vectorize};
 use vecmath::{Real, greater};
 
@@ -96,7 +96,8 @@ impl Geometry {
         let Scratch { bounds, traversal, object, .. } = scratch;
         bounds.fill(simd, rays, active);
         let rays = QueryRays { packet: rays, active, is_prepared: false };
-        let mut query = Query::<ANY> { geometry: self, rays, scratch: object, hits, found: 0 };
+        let reach = bounds.origin_reach();
+        let mut query = Query::<ANY> { geometry: self, rays, reach, scratch: object, hits, found: 0 };
         for &index in &self.object_tree.always {
             let object = &self.objects[index as usize];
             let mut open = active & !query.found;
@@ -120,6 +121,8 @@ impl Geometry {
 struct Query<'a, const ANY: bool> {
     geometry: &'a Geometry,
     rays: QueryRays<'a>,
+    /// At least the largest coordinate of an origin.
+    reach: Real,
     scratch: &'a mut ObjectScratch,
     hits: &'a mut HitPacket,
     /// With `ANY`, the lanes that have hit something: their query is answered.
@@ -256,15 +259,32 @@ impl<const ANY: bool> Query<'_, ANY> {
         if found == 0 {
             return;
         }
+        if object.encloses_hits(self.reach) {
+            if ANY {
+                return self.take_any(found);
+            }
+            return self.hits.take_nearer_in_mesh(
+                simd,
+                index,
+                found,
+                mesh_hits,
+                #[inline(always)]
+                |_, _| (true, 0.0),
+            );
+        }
         let rays = self.rays.prepared(simd);
         if ANY {
             let found = self.hits.entering(simd, object, rays, found);
-            self.take_any(found);
-        } else if is_dense(found, 2) {
-            self.hits.take_nearer_in_mesh(simd, object, index, rays, found, mesh_hits);
-        } else {
-            lanes_in(found).for_each(|lane| self.hits.take_if_nearer(object, index, rays, lane, mesh_hits));
+            return self.take_any(found);
         }
+        self.hits.take_nearer_in_mesh(
+            simd,
+            index,
+            found,
+            mesh_hits,
+            #[inline(always)]
+            |lane, t_max| object.entry_branchless(&rays.get_prepared(lane), t_max),
+        );
     }
 }
 

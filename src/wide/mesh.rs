@@ -198,7 +198,7 @@ impl<S: Simd, const ANY: bool> LeafVisitor<S> for BlockVisitor<'_, '_, ANY> {
         let block = &self.tree.leaves[leaf];
         let mut places = block.all();
         if let (Some(shaft), true) = (shaft, active.count_ones() > FEW) {
-            (places, _) = shaft.intersect(simd, &block.boxes(simd, self.center), packet.largest_limit(simd));
+            (places, ..) = shaft.intersect(simd, &block.boxes(simd, self.center), packet.largest_limit(simd));
             places &= block.all();
             // Either all triangles for each ray, or all rays, in groups of eight, for each triangle: whichever is less.
             let groups = active | active >> 1 | active >> 2 | active >> 3;
