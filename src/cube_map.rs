@@ -1,7 +1,7 @@
 //! [`CubeMap`]: six pictures around the scene.
 
 use crate::error::Error;
-use crate::picture_file::PictureFile;
+use crate::picture_file::{self, PictureFile};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -38,6 +38,9 @@ struct Face {
     path: PathBuf,
     width: i32,
     height: i32,
+    /// The upper half, three bytes a texel: above a floor no ray sees more of most faces. `None` if only the whole picture can be
+    /// decoded.
+    upper: OnceLock<Option<Vec<u8>>>,
     /// Three bytes a texel, rows from the top, and [`PADDING`]; or the message why the picture could not be decoded.
     texels: OnceLock<Result<Vec<u8>, String>>,
 }
@@ -64,7 +67,7 @@ impl CubeMap {
     pub fn color(&self, direction: Vector3) -> Vector3 {
         let place = Place::of(direction.normalized());
         let spot = Spot::of(&place, self.size(place.face));
-        Texels::read(self.bytes(place.face), &spot).unwrap_or_default().blend(spot.right, spot.below)
+        Texels::read(self.bytes(place.face, &spot), &spot).unwrap_or_default().blend(spot.right, spot.below)
     }
 
     /// Returns width and height of a face in texels.
@@ -79,20 +82,24 @@ impl CubeMap {
         (1..6).all(|face| self.size(face) == self.size(0)).then(|| self.size(0))
     }
 
-    /// Returns the bytes of a face, for [`Texels::read`]. Decodes it if it is not decoded yet; one that cannot be is empty.
-    pub(crate) fn bytes(&self, face: u32) -> &[u8] {
-        let face = &self.faces[face as usize % 6];
-        face.texels.get_or_init(|| face.decode()).as_ref().map_or(&[], Vec::as_slice)
+    /// Returns the bytes of a face among which are those of a spot, for [`Texels::read`]. Decodes them if they are not decoded
+    /// yet; a face that cannot be decoded is empty.
+    pub(crate) fn bytes(&self, face: u32, spot: &Spot) -> &[u8] {
+        self.faces[face as usize % 6].bytes(spot)
     }
 
-    /// Decodes the faces that these directions reach, in parallel.
+    /// Decodes what these directions reach of the faces, in parallel.
     pub fn decode(&self, directions: &[Vector3]) {
-        let mut is_reached = [false; 6];
-        directions.iter().for_each(|&direction| {
-            is_reached[Place::of(direction.normalized()).face as usize] = true;
-        });
-        self.faces.par_iter().zip(is_reached).with_max_len(1).filter(|reached| reached.1).for_each(|(face, _)| {
-            face.texels.get_or_init(|| face.decode());
+        // Of each face the lowest spot.
+        let mut lowest: [Option<Spot>; 6] = [None; 6];
+        for direction in directions {
+            let place = Place::of(direction.normalized());
+            let spot = Spot::of(&place, self.size(place.face));
+            let lowest = &mut lowest[place.face as usize];
+            *lowest = lowest.filter(|lowest| lowest.lower >= spot.lower).or(Some(spot));
+        }
+        self.faces.par_iter().zip(lowest).with_max_len(1).for_each(|(face, lowest)| {
+            lowest.inspect(|spot| _ = face.bytes(spot));
         });
     }
 
@@ -101,9 +108,9 @@ impl CubeMap {
         self.faces.iter().map(|face| face.path.as_path())
     }
 
-    /// Returns the number of faces that have been decoded so far.
+    /// Returns the number of faces of which anything has been decoded so far.
     pub fn decoded_faces(&self) -> usize {
-        self.faces.iter().filter(|face| face.texels.get().is_some()).count()
+        self.faces.iter().filter(|face| face.texels.get().is_some() || face.upper.get().is_some()).count()
     }
 
     /// Checks that the faces that rays reached could be decoded. A face that could not is black.
@@ -246,14 +253,33 @@ impl Face {
         let path = folder.join(format!("{name}.png"));
         let other = ["jpg", "jpeg", "bmp"].map(|extension| path.with_extension(extension));
         match PictureFile::open(&path) {
-            Ok(PictureFile { width, height, .. }) => {
-                Ok(Self { width: width as i32, height: height as i32, texels: OnceLock::new(), path })
-            }
+            Ok(PictureFile { width, height, .. }) => Ok(Self {
+                width: width as i32,
+                height: height as i32,
+                upper: OnceLock::new(),
+                texels: OnceLock::new(),
+                path,
+            }),
             Err(message) => Err(match other.iter().find(|other| !path.exists() && other.exists()) {
                 Some(other) => format!("cube map face '{}': a face must be a PNG picture", other.display()),
                 None => format!("cube map face '{}': {message}", path.display()),
             }),
         }
+    }
+
+    /// See [`CubeMap::bytes`].
+    fn bytes(&self, spot: &Spot) -> &[u8] {
+        if self.texels.get().is_none() {
+            // A look-up reads two texels of each row.
+            let rows = self.height / 2 + 2;
+            let is_above = spot.lower as usize + PADDING <= 3 * self.width as usize * rows as usize;
+            let size = (self.width as u32, self.height as u32);
+            let decode = || picture_file::first_rows(&self.path, size, rows as u32);
+            if is_above && let Some(upper) = self.upper.get_or_init(decode) {
+                return upper;
+            }
+        }
+        self.texels.get_or_init(|| self.decode()).as_ref().map_or(&[], Vec::as_slice)
     }
 
     fn decode(&self) -> Result<Vec<u8>, String> {
@@ -279,6 +305,7 @@ mod tests {
                 path: PathBuf::new(),
                 width: 2,
                 height: 2,
+                upper: OnceLock::new(),
                 texels: OnceLock::from(Ok((0..4).flat_map(texel).chain([0; PADDING]).collect())),
             }
         };
@@ -315,6 +342,26 @@ mod tests {
         // On the face behind the eye the starter's picture is mirrored: towards +x the column falls.
         assert_eq!(bytes(0.5, 0.0, -1.0)[1], 50.0);
         assert_eq!(bytes(-0.5, 0.0, -1.0)[1], 100.0);
+    }
+
+    /// Upward directions need upper halves only; then one that looks down needs a whole face.
+    #[test]
+    fn upper_halves_show_what_whole_faces_show() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tex/courtyard");
+        let (halves, whole) = (CubeMap::open(&folder).unwrap(), CubeMap::open(&folder).unwrap());
+        whole.faces.iter().for_each(|face| assert!(face.texels.get_or_init(|| face.decode()).is_ok()));
+        let is_whole = |face: usize| halves.faces[face].texels.get().is_some();
+        for step in 0..4000 {
+            let (angle, height) = (step as f64 * 0.1, step as Real * 0.0003);
+            let direction = Vector3::new(libm::cos(angle) as Real, height, libm::sin(angle) as Real);
+            assert_eq!(halves.color(direction), whole.color(direction), "{direction:?}");
+        }
+        assert_eq!([0, 1, 2, 3, 4, 5].map(is_whole), [false, false, true, false, false, false]);
+        for height in [-0.01, -0.9] {
+            let direction = Vector3::new(1.0, height, 0.2);
+            assert_eq!(halves.color(direction), whole.color(direction), "{direction:?}");
+        }
+        assert!(is_whole(0) && !is_whole(1));
     }
 
     #[test]

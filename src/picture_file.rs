@@ -56,6 +56,50 @@ impl PictureFile {
     }
 }
 
+/// Decodes the first rows of a PNG picture of this size, three bytes a pixel. Returns `None` if the picture is of another kind
+/// or not as it should be: then all of it is to be decoded.
+///
+/// The checksums of the whole file are checked, so that damage is seen wherever it is.
+pub fn first_rows(path: &Path, size: (u32, u32), rows: u32) -> Option<Vec<u8>> {
+    let file = read_bytes(path).ok().filter(|file| has_right_checksums(file))?;
+    let mut reader = png::Decoder::new(Cursor::new(file)).read_info().ok()?;
+    let info = reader.info();
+    let is_plain = info.color_type == png::ColorType::Rgb
+        && info.bit_depth == png::BitDepth::Eight
+        && !info.interlaced
+        && info.animation_control.is_none();
+    if !is_plain || info.size() != size || rows > size.1 {
+        return None;
+    }
+    let mut pixels = Vec::with_capacity(3 * size.0 as usize * rows as usize);
+    for _ in 0..rows {
+        pixels.extend_from_slice(reader.next_row().ok()??.data());
+    }
+    Some(pixels)
+}
+
+/// Returns whether a PNG file is whole and no byte of it has changed: every chunk (length, name, data, checksum of name and
+/// data) up to the last one is as it was written.
+fn has_right_checksums(file: &[u8]) -> bool {
+    const SIGNATURE: usize = 8;
+    let mut rest = file.get(SIGNATURE..).unwrap_or_default();
+    while let Some((&length, chunk)) = rest.split_first_chunk() {
+        let named = chunk.split_at_checked(4 + u32::from_be_bytes(length) as usize);
+        let Some((named, Some((&checksum, later)))) = named.map(|(named, rest)| (named, rest.split_first_chunk()))
+        else {
+            return false;
+        };
+        if crc32fast::hash(named) != u32::from_be_bytes(checksum) {
+            return false;
+        }
+        if named == b"IEND" {
+            return true;
+        }
+        rest = later;
+    }
+    false
+}
+
 /// Reads a whole picture file into memory.
 ///
 /// # Errors
@@ -140,4 +184,31 @@ fn accessed<T>(result: IoResult<T>) -> Result<T, String> {
 
 fn unreadable(error: &image::ImageError) -> String {
     format!("cannot read this picture: {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_rows_are_those_of_the_picture_unless_it_is_damaged_anywhere() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tex/courtyard/right.png");
+        let whole = PictureFile::open(&path).unwrap();
+        let size = (whole.width, whole.height);
+        let pixels = whole.decode().unwrap().into_rgb8().into_raw();
+        let rows = first_rows(&path, size, 10).unwrap();
+        assert!(!rows.is_empty() && rows == pixels[..rows.len()] && rows.len() == 3 * 10 * size.0 as usize);
+        assert_eq!(first_rows(&path, (size.0, 5), 5), None);
+        let file = std::fs::read(&path).unwrap();
+        let damaged = tempfile::NamedTempFile::new().unwrap();
+        let rows_of = |file: &[u8]| {
+            std::fs::write(damaged.path(), file).unwrap();
+            first_rows(damaged.path(), size, 10)
+        };
+        assert_eq!(rows_of(&file), Some(rows));
+        assert_eq!(rows_of(&file[..file.len() - 5]), None);
+        let mut changed = file.clone();
+        changed[file.len() - 100] ^= 1;
+        assert_eq!(rows_of(&changed), None);
+    }
 }

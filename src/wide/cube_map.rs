@@ -70,13 +70,13 @@ pub fn colors<'a, S: Simd>(
         ),
         None => find_spots(simd, places, |face| cube_map.size(face), active, spots),
     }
-    // The bytes of the faces that have been met; eight, because a remainder by eight is quick.
+    // The bytes of the faces that have been met, or of their upper halves; eight, because a remainder by eight is quick.
     let mut faces: [&[u8]; 8] = [&[]; 8];
     for lane in lanes_in(active) {
         let (face, spot) = (places.face[lane], spots.get(lane));
         let bytes = &mut faces[face as usize % 8];
         let Texels(found) = Texels::read(bytes, &spot).unwrap_or_else(|| {
-            *bytes = cube_map.bytes(face);
+            *bytes = cube_map.bytes(face, &spot);
             Texels::read(bytes, &spot).unwrap_or_default()
         });
         for (texels, found) in texels.iter_mut().zip(found) {
