@@ -32,7 +32,8 @@ impl Planes {
     /// Returns the planes that the pictures and comparisons of `options` need.
     pub fn wanted_by(options: &Options) -> Self {
         Self {
-            color: options.color.is_some(),
+            // A file of numbers needs no bytes.
+            color: options.color.is_some() && (!options.color_is_numbers() || options.keeps_film()),
             depth: options.depth.is_some(),
             normals: options.normals.is_some(),
             linear: options.keeps_linear(),

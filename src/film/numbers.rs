@@ -50,10 +50,11 @@ pub(super) fn write_pfm_rows(
     first_row: u32,
     numbers: &[f32],
 ) -> io::Result<()> {
-    /// Rows that are turned into bytes together.
-    const AT_ONCE: usize = 16;
+    /// Bytes of rows that are made together.
+    const AT_ONCE: usize = 1 << 20;
     let (row_numbers, mut rest) = (3 * size.0 as usize, size.1 - first_row);
-    for rows in numbers.chunks(AT_ONCE * row_numbers) {
+    let rows_at_once = (AT_ONCE / (4 * row_numbers)).max(1);
+    for rows in numbers.chunks(rows_at_once * row_numbers) {
         let upwards = rows.chunks_exact(row_numbers).rev().flatten();
         let bytes: Vec<u8> = upwards.flat_map(|number| number.to_le_bytes()).collect();
         rest -= (rows.len() / row_numbers) as u32;
