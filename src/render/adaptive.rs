@@ -82,6 +82,10 @@ pub fn render(scene: &Scene, plan: &Plan, options: &Options, limit: Deadline, pr
 /// ray a pixel saves more than it costs. Else the samples of a pixel's neighbours say where more are needed.
 const FAR: f64 = 8.0;
 
+/// Pictures of fewer pixels get a pilot in any case: it costs little there, and a pixel's samples have a large share in the
+/// error of the whole, by which neighbours alone would bias the picture.
+const SMALL: u64 = 1 << 14;
+
 /// The share of the target's squared error that is aimed at by the later passes, which know more.
 const LATER_MARGIN: f64 = 0.9;
 
@@ -134,7 +138,7 @@ impl Picture<'_> {
         let (width, order) = (part.width as usize, self.options.measure.sampler.convergence_order());
         let pixels = u64::from(self.options.width) * u64::from(self.options.height);
         let mut allocation = Allocation::new(pixels, order);
-        let is_far = self.estimate().is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim);
+        let is_far = self.estimate().is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim) || pixels < SMALL;
         if is_far {
             let tracer = || tracer(self.scene, self.plan, self.deadline);
             let Some((variances, counts)) = pilot::variances(part, self.maker, self.empty, tracer) else { return };
