@@ -15,6 +15,7 @@ use crate::cube_map::CubeMap;
 use crate::error::{Error, Remarks, SourceText, Span, counted, cut_short};
 use crate::file_path::{self, FilePath, Kind};
 use crate::input::read_whole;
+use crate::light::Light;
 use crate::material::Material;
 use crate::memory::Budget;
 use crate::objects::{Mesh, Object, Shape, Transform};
@@ -100,18 +101,8 @@ fn compile_as_far_as_right(
         left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
     }
     // Places are those of all objects.
-    let leaves_out = objects.len() > LOOP_OBJECTS && !plan.places;
-    let copies = if leaves_out { remove_copies(&mut objects) } else { 0 };
-    if copies > 0 {
-        left_out.push(format!(
-            "{}: an equal one at the same place comes first in the file",
-            counted(copies, "object")
-        ));
-    }
-    let hidden = if leaves_out { remove_hidden(&mut objects, camera.center, &lights, plan) } else { 0 };
-    if hidden > 0 {
-        let what = counted(hidden, "object");
-        left_out.push(format!("{what}: inside a sphere, with the eye and all lights outside of it"));
+    if objects.len() > LOOP_OBJECTS && !plan.places {
+        leave_out_objects(&mut objects, camera.center, &lights, plan, &mut left_out);
     }
     // Shadow and mirror rays may go anywhere, and the trees that only these meet are built when they do.
     let is_in_picture = |object: &Object| object.bounds.as_ref().is_none_or(|bounds| camera.may_see(bounds));
@@ -128,6 +119,28 @@ fn compile_as_far_as_right(
         geometry,
     };
     Ok(Compiled { scene, places, mesh_files, left_out, remarks, build })
+}
+
+/// Removes the objects that no picture can show, and says so.
+fn leave_out_objects(
+    objects: &mut Vec<Object>,
+    eye: Vector3,
+    lights: &[Light],
+    plan: &Plan,
+    left_out: &mut Vec<String>,
+) {
+    let copies = remove_copies(objects);
+    if copies > 0 {
+        left_out.push(format!(
+            "{}: an equal one at the same place comes first in the file",
+            counted(copies, "object")
+        ));
+    }
+    let hidden = remove_hidden(objects, eye, lights, plan);
+    if hidden > 0 {
+        let what = counted(hidden, "object");
+        left_out.push(format!("{what}: inside a sphere, with the eye and all lights outside of it"));
+    }
 }
 
 pub(super) fn cube_map(
