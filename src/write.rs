@@ -5,7 +5,7 @@ use crate::film::{self, BandWriter as _, Film, PictureWriter, Plane};
 use crate::input::is_standard;
 use crate::measure::{self, Report};
 use crate::memory;
-use crate::options::Options;
+use crate::options::{Options, Region};
 use crate::output::{self, OutputFile, say};
 use crate::part::Label;
 use crate::timing::{Deadline, Stopwatch};
@@ -174,7 +174,7 @@ pub fn say_what_is_written(options: &Options, report: &Report) {
     let names: Vec<String> =
         options.pictures().filter(|path| !is_standard(path)).map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
-        let (width, height, seconds) = (options.width, options.height, report.total.wall.as_secs_f64());
+        let (Region { width, height, .. }, seconds) = (options.shown(), report.total.wall.as_secs_f64());
         say(&format!("wrote {}, {width} x {height}, {seconds:.2} s\n", names.join(", ")));
     }
 }
