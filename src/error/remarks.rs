@@ -10,6 +10,12 @@ pub struct Remarks {
 }
 
 impl Remarks {
+    /// Adds further remarks behind these.
+    pub fn add(&mut self, others: Self) {
+        self.warnings.extend(others.warnings);
+        self.hints.extend(others.hints);
+    }
+
     /// Iterates over the lines to print: with `quiet` the warnings only.
     pub fn lines(&self, quiet: bool) -> impl Iterator<Item = String> {
         let warnings = self.warnings.iter().map(|text| format!("warning: {text}\n"));

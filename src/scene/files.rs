@@ -1,8 +1,9 @@
 //! The hash of a scene: of its text and of the files that it names.
 
+use super::named_files::found;
 use crate::cube_map::face_paths;
-use crate::file_path::{self, FilePath};
-use crate::scene_file::{Description, LeafShape};
+use crate::error::Remarks;
+use crate::scene_file::{At, Description, LeafShape};
 use siphasher::sip128::{Hasher128 as _, SipHasher24};
 use std::fs::File;
 use std::hash::Hasher as _;
@@ -15,19 +16,17 @@ pub fn hash_of_files(description: &Description) -> u128 {
     let mut hasher = SipHasher24::new();
     add(&mut hasher, description.source.text.as_bytes());
     let folder = description.source.path.parent().unwrap_or(Path::new(""));
-    let found = |name: &str| match file_path::find(folder, name) {
-        FilePath::Respelt(spelling) => folder.join(spelling),
-        FilePath::AsWritten | FilePath::Similar(_) => folder.join(name),
-    };
+    // The hints come when the scene is loaded.
+    let found = |name: &At<String>| found(&description.source, folder, name, &mut Remarks::default());
     let mut files: Vec<PathBuf> = Vec::new();
     description.root.visit_leaves(&mut |leaf| {
         if let LeafShape::Mesh(name) = &leaf.shape {
-            files.push(found(&name.value));
+            files.push(found(name));
         }
     });
     files.sort_unstable();
     files.dedup();
-    files.extend(description.background.cube_map.iter().flat_map(|name| face_paths(&found(&name.value))));
+    files.extend(description.background.cube_map.iter().flat_map(|name| face_paths(&found(name))));
     files.iter().for_each(|path| add_file(&mut hasher, path));
     let hash = hasher.finish128();
     u128::from(hash.h1) << 64 | u128::from(hash.h2)

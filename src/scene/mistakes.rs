@@ -1,6 +1,8 @@
 //! The mistakes of a scene that the parser cannot see, for messages about all of them.
 
-use super::compile::{camera, composed, cube_map, unreadable};
+use super::camera::camera;
+use super::named_files::{cube_map, unreadable};
+use super::transforms::composed;
 use crate::error::{Error, Remarks};
 use crate::file_path::{self, FilePath};
 use crate::scene_file::{Description, LeafShape, Node, Parsed};

@@ -3,6 +3,7 @@
 //! [`compile()`] makes a scene of a [`Description`](crate::scene_file::Description) and a
 //! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
+mod camera;
 mod compile;
 mod copies;
 mod files;
@@ -10,12 +11,15 @@ mod geometry;
 mod hidden;
 mod hints;
 mod lights;
+mod mesh_files;
 mod mistakes;
+mod named_files;
 mod obj;
 mod object_tree;
 mod places;
 mod queries;
 mod tally;
+mod transforms;
 
 pub use compile::{Compiled, compile};
 pub use files::hash_of_files;
