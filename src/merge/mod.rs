@@ -7,11 +7,12 @@ mod part_reader;
 use crate::error::Error;
 use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, read_label};
 use crate::options::{MergeOptions, has_extension};
-use crate::output;
+use crate::output::{self, OutputFile};
 use crate::part::Label;
 use cover::{Problem, Span, spans};
 use part_reader::PartReader;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 /// Rows that are joined before they are written.
 const ROWS_AT_ONCE: u32 = 16;
@@ -23,14 +24,13 @@ const ROWS_AT_ONCE: u32 = 16;
 /// written; [`Error::Refused`] for parts that overlap or do not cover the picture.
 pub fn merge(options: &MergeOptions) -> Result<(), Error> {
     let (output, parts) = (options.output.as_path(), &options.parts);
-    let files = output::begin([("merge", output)].into_iter())?;
-    output::check_inputs(&files, parts.iter().map(PathBuf::as_path))?;
+    let file = OutputFile::checked(output, "the picture")?;
+    output::check_inputs(slice::from_ref(&file), parts.iter().map(PathBuf::as_path))?;
     let labels = labels(output, parts)?;
     let size = labels[0].size;
     let places: Vec<_> = labels.iter().map(|label| label.place).collect();
     let spans = spans(&places, size).map_err(|problem| refusal(&problem, parts))?;
-    let writers = files.into_iter().map(|file| PictureWriter::new(file, Plane::Color, size, None));
-    let mut writers = writers.collect::<Result<Vec<_>, _>>()?;
+    let mut writer = PictureWriter::new(file, Plane::Color, size, None)?;
     let is_png = numbers(output).is_none();
     let planes = Planes { color: is_png, linear: !is_png, ..Planes::default() };
     let mut readers: Vec<Option<PartReader>> = parts.iter().map(|_| None).collect();
@@ -46,11 +46,11 @@ pub fn merge(options: &MergeOptions) -> Result<(), Error> {
                 let Some(reader) = &mut readers[part] else { continue };
                 reader.read_rows(place.x, height, &mut band).map_err(|message| Error::file(path, message))?;
             }
-            writers.iter_mut().try_for_each(|writer| writer.write(&band))?;
+            writer.write(&band)?;
         }
         active.iter().filter(|&&part| places[part].end_row() == rows.end).for_each(|&part| readers[part] = None);
     }
-    writers.into_iter().try_for_each(PictureWriter::finish)
+    writer.finish()
 }
 
 /// Returns the format of a picture of numbers; `None` for a PNG.
