@@ -20,6 +20,7 @@ mod rays;
 mod samples;
 mod sobol;
 mod spread;
+mod stratified;
 mod tile_samples;
 mod tiles;
 mod tracer;
