@@ -14,7 +14,6 @@ use super::error_map;
 use super::finishing::{Finishing, tried};
 use super::frame::{Frame, SampleCounts};
 use super::pilot;
-use super::pixel::{Pixel, store};
 use super::preview::Preview;
 use super::rays::{RayMaker, SetPart};
 use super::samples::SamplePattern;
@@ -233,7 +232,7 @@ impl Picture<'_> {
     fn leave_time_to_finish(&mut self, some: Range<usize>) {
         if self.limit.is_set() {
             let planes = Planes::wanted_by(self.options);
-            let finished = |tile: &Mutex<TileSamples>| Some(film_of(&*tile.lock().ok()?, None, planes));
+            let finished = |tile: &Mutex<TileSamples>| Some(tile.lock().ok()?.film(None, planes));
             let share = some.len() as f64 / self.tiles.len() as f64;
             let time = self.finishing.time(self.options, &self.tiles[some], share, finished);
             self.deadline = self.limit.earlier(time);
@@ -321,7 +320,7 @@ impl Picture<'_> {
         let whole = Mutex::new((film, counts, samples));
         self.tiles.into_par_iter().for_each(|tile| {
             let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
-            let tile_film = film_of(&tile, preview.as_ref(), planes);
+            let tile_film = tile.film(preview.as_ref(), planes);
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             if let Ok(mut whole) = whole.lock() {
                 let (film, counts, samples) = &mut *whole;
@@ -342,22 +341,4 @@ impl Picture<'_> {
         };
         Frame { film, counts, samples, estimate, filter: Duration::ZERO, writing: Duration::ZERO }
     }
-}
-
-/// Turns the samples of a tile into its part of the picture. Pixels without samples show the preview.
-fn film_of(tile: &TileSamples, preview: Option<&Preview>, planes: Planes) -> Film {
-    let pixel = |(index, pixel)| match preview {
-        Some(preview) if tile.samples(index) == 0 => preview.pixel(pixel),
-        _ => tile.mean(index),
-    };
-    let pixels: Vec<Pixel> = match tile.filled {
-        Some(pixel) => vec![pixel; tile.pixels()],
-        None => tile.tile.pixels().enumerate().map(pixel).collect(),
-    };
-    let mut film = Film::new(tile.tile.width, tile.tile.height, planes);
-    store(&pixels, &mut film);
-    if planes.error_map {
-        film.set_variances((0..pixels.len()).map(|index| tile.variance(index)));
-    }
-    film
 }

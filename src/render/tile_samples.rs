@@ -2,10 +2,11 @@
 
 use super::error_estimate::{ErrorSums, HalvesError};
 use super::frame::SampleCounts;
-use super::pixel::{Pixel, finite};
+use super::pixel::{Pixel, finite, store};
+use super::preview::Preview;
 use super::spread::{SetKind, USUAL_RATIO};
 use super::tiles::Tile;
-use crate::film::Planes;
+use crate::film::{Film, Planes};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::trace::Seen;
@@ -19,7 +20,7 @@ pub struct TileSamples {
     /// Whether nothing but a background of one colour is seen through it.
     pub is_empty: bool,
     /// What every pixel of an empty tile shows, once it is known.
-    pub filled: Option<Pixel>,
+    filled: Option<Pixel>,
     halves: Halves,
     has_colors: bool,
     has_others: bool,
@@ -88,7 +89,7 @@ impl TileSamples {
     }
 
     /// Returns the number of its pixels.
-    pub fn pixels(&self) -> usize {
+    fn pixels(&self) -> usize {
         (self.tile.width * self.tile.height) as usize
     }
 
@@ -204,7 +205,7 @@ impl TileSamples {
     }
 
     /// Returns the mean of all samples of a pixel.
-    pub fn mean(&self, index: usize) -> Pixel {
+    fn mean(&self, index: usize) -> Pixel {
         let mut mean = Pixel::default();
         let samples = self.samples(index) as Real;
         if let Some(others) = self.others.get(index) {
@@ -214,6 +215,24 @@ impl TileSamples {
             mean.color = sum * (1.0 / samples);
         }
         mean
+    }
+
+    /// Turns the samples into the tile's part of the picture. Pixels without samples show the preview.
+    pub fn film(&self, preview: Option<&Preview>, planes: Planes) -> Film {
+        let pixel = |(index, pixel)| match preview {
+            Some(preview) if self.samples(index) == 0 => preview.pixel(pixel),
+            _ => self.mean(index),
+        };
+        let pixels: Vec<Pixel> = match self.filled {
+            Some(pixel) => vec![pixel; self.pixels()],
+            None => self.tile.pixels().enumerate().map(pixel).collect(),
+        };
+        let mut film = Film::new(self.tile.width, self.tile.height, planes);
+        store(&pixels, &mut film);
+        if planes.error_map {
+            film.set_variances((0..pixels.len()).map(|index| self.variance(index)));
+        }
+        film
     }
 
     /// Adds the errors of all pixels up anew.
