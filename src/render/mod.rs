@@ -13,10 +13,12 @@ pub mod error_estimate;
 mod error_map;
 mod finishing;
 mod frame;
+mod in_flight;
 mod pilot;
 mod pixel;
 mod preview;
 mod rays;
+mod rendered_tile;
 mod samples;
 mod sobol;
 mod spread;
@@ -53,7 +55,8 @@ pub fn bytes_needed(options: &Options) -> u64 {
     if !options.keeps_film() {
         let tiles = Tiles { region: options.shown() };
         let exr = if options.color_is_exr() { 12 * options.pixel_count() } else { 0 };
-        return bands::bytes_in_flight(tiles, planes).min(options.pixel_count() * planes.bytes_per_pixel() as u64)
+        return in_flight::bytes_in_flight(tiles, planes)
+            .min(options.pixel_count() * planes.bytes_per_pixel() as u64)
             + options.pixel_count() * of_findings as u64
             + exr;
     }

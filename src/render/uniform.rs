@@ -1,12 +1,13 @@
 //! Uniform sampling: every pixel gets the same number of samples. Threads render tile by tile ([`Bands`]).
 
-use super::bands::{Bands, RenderedTile, TileCost, Totals};
+use super::bands::Bands;
 use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{ErrorEstimate, ErrorSums};
 use super::error_map;
 use super::frame::Frame;
 use super::pixel::{Pixel, filter_weight, finite, store};
 use super::rays::RayMaker;
+use super::rendered_tile::{RenderedTile, TileCost, Totals};
 use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
 use super::tiles::{Progress, Tile, Tiles, decode_faces_ahead};
