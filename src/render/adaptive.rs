@@ -130,14 +130,18 @@ impl Picture<'_> {
     /// Takes samples where they are needed until the estimated error is at most `levels`, with what no sample has met.
     fn sample_to_error(&mut self, levels: f64) {
         let aim = levels * levels;
-        if !self.pass(|_| 2) || self.estimate().is_none_or(|estimate| estimate.with_unseen() <= levels) {
+        if !self.pass(|_| 2) {
+            return;
+        }
+        let first = self.estimate();
+        if first.is_none_or(|estimate| estimate.with_unseen() <= levels) {
             return;
         }
         let Some(part) = self.part_with_objects() else { return };
         let (width, order) = (part.width as usize, self.options.measure.sampler.convergence_order());
         let pixels = u64::from(self.options.width) * u64::from(self.options.height);
         let mut allocation = Allocation::new(pixels, order);
-        let is_far = self.estimate().is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim) || pixels < SMALL;
+        let is_far = first.is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim) || pixels < SMALL;
         if is_far {
             let tracer = || tracer(self.scene, self.plan, self.deadline);
             let Some((variances, counts)) = pilot::variances(part, self.maker, self.empty, tracer) else { return };
