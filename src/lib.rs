@@ -48,6 +48,7 @@ pub mod render;
 pub mod scene;
 pub mod scene_file;
 pub mod simd;
+mod threads;
 pub mod timing;
 pub mod trace;
 pub mod wide;
@@ -128,7 +129,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
     if options.measure.is_adaptive() || options.measure.convergence.is_some() {
         interrupt::let_rendering_end();
     }
-    write::worker_threads(options)?.install(|| {
+    threads::start(options)?.install(|| {
         let Some((mut report, pictures)) = render_since(options, &total, files)? else {
             if !options.quiet {
                 say("nothing is rendered: the pictures are done\n");

@@ -1,20 +1,16 @@
 //! Writes the results of a run: pictures and tables to files, messages to standard error.
 
-use crate::error::{Error, counted};
+use crate::error::Error;
 use crate::film::{self, BandWriter as _, Film, PictureWriter, Plane};
 use crate::input::is_standard;
 use crate::measure::{self, Report};
-use crate::memory;
 use crate::options::{Options, Region};
 use crate::output::{self, OutputFile, say};
 use crate::part::Label;
 use crate::timing::{Deadline, Stopwatch};
 use rayon::prelude::*;
-use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
-use std::io::{ErrorKind, IsTerminal as _, Write as _, stderr};
+use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::Path;
-use std::sync::mpsc::{Sender, channel};
-use std::thread;
 
 /// Begins all files before a long computation: checks that they can be written, and that none of them is read. Pictures come
 /// first.
@@ -26,38 +22,6 @@ pub fn begin_files(options: &Options) -> Result<Vec<OutputFile>, Error> {
     let inputs = [Some(options.input.as_path()), options.measure.reference.as_deref()];
     output::check_inputs(&files, inputs.into_iter().flatten())?;
     Ok(files)
-}
-
-/// Starts the worker threads: where the system allows fewer than wanted, so many, with a warning. The main thread is
-/// one of them: one that only waits would be a third thread on two processors, and a short run loses time to that.
-///
-/// # Errors
-/// [`Error::Refused`] if the threads cannot work together.
-pub fn worker_threads(options: &Options) -> Result<ThreadPool, Error> {
-    let wanted = options.threads.unwrap_or_else(processors);
-    let most = memory::most_threads().map_or(wanted, |most| most.min(wanted));
-    let others: Vec<_> = (1..most).map_while(|_| waiting_thread()).collect();
-    let count = 1 + others.len();
-    if count < wanted && !options.quiet {
-        say(&format!("hint: the system allows {}, not {wanted}\n", counted(count, "worker thread")));
-    }
-    let mut others = others.into_iter();
-    ThreadPoolBuilder::new()
-        .num_threads(count)
-        .use_current_thread()
-        .spawn_handler(|worker| match others.next().map(|thread| thread.send(worker)) {
-            Some(Ok(())) => Ok(()),
-            _ => Err(ErrorKind::BrokenPipe.into()),
-        })
-        .build()
-        .map_err(|error| Error::Refused(format!("cannot start the worker threads: {error}")))
-}
-
-/// Starts a thread that waits for what it shall work for. There is none if the system allows no more.
-fn waiting_thread() -> Option<Sender<ThreadBuilder>> {
-    let (sender, receiver) = channel::<ThreadBuilder>();
-    let work = move || receiver.recv().map_or((), ThreadBuilder::run);
-    thread::Builder::new().spawn(work).ok().map(|_| sender)
 }
 
 /// Returns when the pictures must be written.
@@ -177,16 +141,6 @@ pub fn say_what_is_written(options: &Options, report: &Report) {
         let (Region { width, height, .. }, seconds) = (options.shown(), report.total.wall.as_secs_f64());
         say(&format!("wrote {}, {width} x {height}, {seconds:.2} s\n", names.join(", ")));
     }
-}
-
-/// Returns the number of threads without `-threads`: `RAYON_NUM_THREADS`, or the processors that the process may use, by
-/// its affinity and its control group. A task of the scheduler Slurm takes no more than it was given.
-fn processors() -> usize {
-    let number = |name| std::env::var(name).ok().and_then(|count| count.parse().ok()).filter(|&count| count > 0);
-    number("RAYON_NUM_THREADS").unwrap_or_else(|| {
-        let here = thread::available_parallelism().map_or(1, usize::from);
-        number("SLURM_CPUS_PER_TASK").map_or(here, |given: usize| given.min(here))
-    })
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Error> {
