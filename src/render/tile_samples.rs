@@ -144,6 +144,7 @@ impl TileSamples {
     }
 
     /// Adds what the wanted samples of a pixel saw: of independent halves first those of the first one.
+    #[inline]
     pub fn add(&mut self, wanted: &Wanted, seen: &[Seen], displayed: impl Fn(&Seen) -> Pixel) {
         let (index, samples) = (wanted.index, wanted.samples.end);
         if !self.colors.is_empty() {
