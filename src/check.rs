@@ -5,8 +5,8 @@ use crate::memory::Budget;
 use crate::options::Options;
 use crate::output::say;
 use crate::plan::Plan;
-use crate::scene::{Compiled, compile, without_mistakes};
-use crate::scene_file::parse_file;
+use crate::scene::{Compiled, compile};
+use crate::scene_file::Description;
 use vecmath::Vector3;
 
 /// A direction into each face of a cube map.
@@ -19,15 +19,13 @@ const AXES: [Vector3; 6] = [
     Vector3::new(0.0, 0.0, -1.0),
 ];
 
-/// Reads the scene, its meshes and its cube map. Returns what it holds, as text for the user; prints warnings and hints.
+/// Reads a scene's meshes and its cube map. Returns what it holds, as text for the user; prints warnings and hints.
 ///
 /// # Errors
 /// [`Error`] for mistakes in the scene or in a file that it names.
-pub fn check(options: &Options) -> Result<String, Error> {
-    let description = without_mistakes(parse_file(&options.input)?)?;
-    let plan = Plan::new(options, &description);
-    let Compiled { scene, mesh_files, remarks, .. } =
-        compile(&description, &plan, &mut Budget::new(options.max_memory))?;
+pub fn check(description: &Description, plan: &Plan, options: &Options) -> Result<String, Error> {
+    let mut budget = Budget::new(options.max_memory);
+    let Compiled { scene, mesh_files, remarks, .. } = compile(description, plan, &mut budget)?;
     if let Some(cube_map) = &scene.background.cube_map {
         cube_map.decode(&AXES);
         cube_map.check_decoded_faces()?;

@@ -105,7 +105,8 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
             Ok(Outcome { text: String::new(), exit_code: 0 })
         }
         Request::Render(options) if options.check => {
-            let text = check::check(&options).map_err(with_code)?;
+            let (description, plan) = parse(&options).map_err(with_code)?;
+            let text = check::check(&description, &plan, &options).map_err(with_code)?;
             Ok(Outcome { text, exit_code: 0 })
         }
         Request::Render(options) => render_to_files(&options).map_err(with_code),
@@ -173,24 +174,10 @@ fn render_since(
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
     let reference = Reference::wanted_by(options)?;
-    let (parsed, parse) = timed(|| parse(options));
-    let (description, plan) = parsed?;
-    let hash = options.wants_labels().then(|| scene::hash_of_files(&description));
-    if options.skip_done && hash.is_some_and(|hash| write::are_done(options, hash)) {
+    let Some(Loaded { compiled, plan, hash, parse, loading }) = load(options, &mut budget)? else {
         return Ok(None);
-    }
-    if options.explain {
-        say(&plan.explain(options));
-    }
-    let wants_hints = !options.quiet && stderr().is_terminal();
-    let hints = if wants_hints { hints::about_scene(&description, &plan, options) } else { Vec::new() };
-    let (compiled, loading) = timed(|| {
-        let compiled = compile(&description, &plan, &mut budget);
-        drop(description);
-        compiled
-    });
-    let Compiled { scene, places, mesh_files, left_out, mut remarks, build } = compiled?;
-    remarks.hints.extend(hints);
+    };
+    let Compiled { scene, places, mesh_files, left_out, mut remarks, build } = compiled;
     let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
     output::check_inputs(&files, mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let mut pictures = write::begin_pictures(options, files, hash)?;
@@ -200,7 +187,7 @@ fn render_since(
         (options, rendered)
     });
     let (options, (frame, convergence)) = (rendered.0.as_ref(), rendered.1?);
-    if wants_hints {
+    if wants_hints(options) {
         remarks.hints.extend(hints::about_pictures(options, &scene, &frame.counts));
     }
     let inspect = |places| inspect(&scene, places, &mesh_files, &plan, options);
@@ -227,6 +214,43 @@ fn render_since(
         convergence,
     };
     Ok(Some((report, pictures)))
+}
+
+/// A scene that is ready to be rendered, and how long that took.
+struct Loaded {
+    compiled: Compiled,
+    plan: Plan,
+    /// Of the scene and its files, if pictures are labelled with it.
+    hash: Option<u128>,
+    parse: Times,
+    loading: Times,
+}
+
+/// Reads a scene and the files that it names. `None`: all pictures are done already, and may be skipped.
+fn load(options: &Options, budget: &mut Budget) -> Result<Option<Loaded>, Error> {
+    let (parsed, parse) = timed(|| parse(options));
+    let (description, plan) = parsed?;
+    let hash = options.wants_labels().then(|| scene::hash_of_files(&description));
+    if options.skip_done && hash.is_some_and(|hash| write::are_done(options, hash)) {
+        return Ok(None);
+    }
+    if options.explain {
+        say(&plan.explain(options));
+    }
+    let hints = if wants_hints(options) { hints::about_scene(&description, &plan, options) } else { Vec::new() };
+    let (compiled, loading) = timed(|| {
+        let compiled = compile(&description, &plan, budget);
+        drop(description);
+        compiled
+    });
+    let mut compiled = compiled?;
+    compiled.remarks.hints.extend(hints);
+    Ok(Some(Loaded { compiled, plan, hash, parse, loading }))
+}
+
+/// Returns whether somebody reads hints: they are for people at a terminal.
+fn wants_hints(options: &Options) -> bool {
+    !options.quiet && stderr().is_terminal()
 }
 
 fn parse(options: &Options) -> Result<(Description, Plan), Error> {
