@@ -1,6 +1,6 @@
 //! Parses the flags about samples, errors and cost.
 
-use super::typed::{Typed, must_be_png, must_be_supported, unlike, usage_error};
+use super::typed::{Typed, must_be_supported, unlike, usage_error};
 use crate::error::Error;
 use crate::input::is_standard;
 use crate::options::{MAX_SAMPLES, MeasureOptions, SamplerKind, has_extension};
@@ -16,7 +16,7 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
         sampler: sampler(typed)?,
         sampler_is_given: typed.has("sampler"),
         samples: typed.number("samples", 0, &samples, |n| (1..=MAX_SAMPLES).contains(n))?,
-        error_map: typed.path("error-map").map(|path| must_be_png("error-map", path)).transpose()?,
+        error_map: typed.png_path("error-map")?,
         report: with_extension(typed, "report", &["json"])?,
         stats: typed.has("stats"),
         reference: with_extension(typed, "reference", &["png", "pfm", "exr"])?,

@@ -160,14 +160,7 @@ fn epsilon(typed: &Typed) -> Result<Epsilon, Error> {
 }
 
 fn compare_options(typed: &Typed) -> Result<CompareOptions, Error> {
-    const ALLOWED: [&str; 5] = ["compare", "diff", "report", "tolerance", "quiet"];
-    if let Some(other) = flags().find(|flag| typed.has(flag.name) && !ALLOWED.contains(&flag.name)) {
-        return Err(usage_error(other.name, "does not go with -compare"));
-    }
-    if let Some(scene) = typed.scene()? {
-        let message = format!("'{}' belongs to no flag: -compare takes two pictures", scene.display());
-        return Err(Error::Usage(message));
-    }
+    typed.refuse_others("compare", &["diff", "report", "tolerance", "quiet"], "two pictures")?;
     let report = typed.path("report");
     if report.as_deref().is_some_and(is_standard) {
         return Err(usage_error("report", "with -compare, standard output has the verdict: expected a file name"));

@@ -1,6 +1,5 @@
 //! `-region`, `-tile`, `-skip-done` and `-merge`: pictures in parts.
 
-use super::flags::flags;
 use super::typed::{Typed, must_be_a_picture, usage_error};
 use crate::error::Error;
 use crate::options::{MergeOptions, Options, Region};
@@ -63,14 +62,7 @@ pub(super) fn check_region(options: &Options) -> Result<(), Error> {
 }
 
 pub(super) fn merge_options(typed: &Typed) -> Result<MergeOptions, Error> {
-    const ALLOWED: [&str; 2] = ["merge", "quiet"];
-    if let Some(other) = flags().find(|flag| typed.has(flag.name) && !ALLOWED.contains(&flag.name)) {
-        return Err(usage_error(other.name, "does not go with -merge"));
-    }
-    if let Some(scene) = typed.scene()? {
-        let message = format!("'{}' belongs to no flag: -merge takes a file and its parts", scene.display());
-        return Err(Error::Usage(message));
-    }
+    typed.refuse_others("merge", &["quiet"], "a file and its parts")?;
     let mut files = typed.values("merge").into_iter().map(PathBuf::from);
     let output = files.next().map(|path| must_be_a_picture("merge", path)).transpose()?;
     let output = output.ok_or_else(|| usage_error("merge", "needs a file to write and parts"))?;

@@ -124,6 +124,21 @@ impl Typed<'_> {
         }
     }
 
+    /// Refuses a scene, and all flags but `flag` and those that go with it. `takes` says what its values are.
+    pub(super) fn refuse_others(&self, flag: &str, go_with_it: &[&str], takes: &str) -> Result<(), Error> {
+        let is_other = |other: &&Flag| other.name != flag && !go_with_it.contains(&other.name);
+        if let Some(other) = flags().filter(is_other).find(|other| self.has(other.name)) {
+            return Err(usage_error(other.name, format!("does not go with -{flag}")));
+        }
+        match self.scene()? {
+            None => Ok(()),
+            Some(scene) => {
+                let scene = scene.display();
+                Err(Error::Usage(format!("'{scene}' belongs to no flag: -{flag} takes {takes}")))
+            }
+        }
+    }
+
     /// Returns the path of a picture to write; its name must end in `.png`.
     pub(super) fn png_path(&self, flag: &str) -> Result<Option<PathBuf>, Error> {
         self.path(flag).map(|path| must_be_png(flag, path)).transpose()
