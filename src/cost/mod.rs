@@ -54,11 +54,13 @@ impl Cost {
 
     /// Returns the mean and the largest count of a pixel, in the order of [`COUNTED`].
     pub fn mean_and_most(&self) -> [(f64, u32); 3] {
-        [0, 1, 2].map(|kind| {
-            let counts = || self.pixels.iter().map(|pixel| pixel[kind]);
-            let sum: u64 = counts().map(u64::from).sum();
-            (sum as f64 / self.pixels.len().max(1) as f64, counts().max().unwrap_or(0))
-        })
+        [0, 1, 2].map(|kind| self.mean_and_most_of(kind))
+    }
+
+    fn mean_and_most_of(&self, kind: usize) -> (f64, u32) {
+        let counts = || self.pixels.iter().map(|pixel| pixel[kind]);
+        let sum: u64 = counts().map(u64::from).sum();
+        (sum as f64 / self.pixels.len().max(1) as f64, counts().max().unwrap_or(0))
     }
 }
 

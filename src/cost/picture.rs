@@ -44,7 +44,7 @@ impl Cost {
 
     fn draw_panel(&self, canvas: &mut Canvas, kind: usize, left: usize, panel: usize, scale: usize) {
         let (width, height) = (self.width as usize, self.height as usize);
-        let (mean, most) = self.mean_and_most()[kind];
+        let (mean, most) = self.mean_and_most_of(kind);
         canvas.write(&COUNTED[kind].to_uppercase(), left, MARGIN);
         canvas.write(&format!("MEAN {mean:.2} MOST {most}"), left, MARGIN + LINE);
         let (top, end) = (MARGIN + 2 * LINE, self.end_of_legend(kind));
