@@ -18,10 +18,6 @@ fn folder_with_pictures() -> Folder {
     folder
 }
 
-fn report(folder: &Folder) -> Value {
-    serde_json::from_slice(&std::fs::read(folder.path("c.json")).unwrap()).unwrap()
-}
-
 #[test]
 fn compare_prints_differences_and_sets_the_exit_code() {
     let folder = folder_with_pictures();
@@ -75,7 +71,7 @@ fn compare_says_where_pictures_differ() {
                  \x20 x 10 to 29, y 5 to 5: 20 pixels, worst 155 levels\n\
                  \x20 x 80 to 80, y 60 to 60: 1 pixel, worst 3 levels\n";
     assert!(run.stdout.contains(lines), "{}", run.stdout);
-    let report = report(&folder);
+    let report = folder.json("c.json");
     assert_eq!(
         report["worst_pixel"],
         json!({ "x": 29, "y": 5, "a": [100, 100, 100], "b": [0, 100, 255], "unit": "bytes" })
@@ -98,14 +94,14 @@ fn compare_says_where_pictures_differ() {
 fn reports_on_equal_pictures_and_on_other_sizes_are_written_too() {
     let folder = folder_with_pictures();
     assert_eq!(folder.a2("-compare a.png a.png -report c.json").exit_code, 0);
-    let same = report(&folder);
+    let same = folder.json("c.json");
     assert_eq!(
         (&same["verdict"], &same["worst_pixel"], &same["psnr_db"]),
         (&json!("alike"), &Value::Null, &Value::Null)
     );
     assert_eq!((&same["regions"], &same["rmse_levels"]), (&json!([]), &json!(0.0)));
     assert_eq!(folder.a2("-compare a.png small.png -report c.json").exit_code, 3);
-    let sizes = report(&folder);
+    let sizes = folder.json("c.json");
     assert_eq!(
         (&sizes["verdict"], &sizes["size_of_a"], &sizes["size_of_b"]),
         (&json!("sizes differ"), &json!([100, 100]), &json!([3, 4]))
@@ -174,5 +170,5 @@ fn pictures_of_numbers_are_compared_as_numbers_and_alpha_is_named() {
     let run = folder.a2("-compare faint.png solid.png -report c.json");
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     assert!(run.stdout.contains("alpha          differs in 16 pixels, and is not compared"), "{}", run.stdout);
-    assert_eq!(report(&folder)["pixels_of_other_alpha"], 16);
+    assert_eq!(folder.json("c.json")["pixels_of_other_alpha"], 16);
 }

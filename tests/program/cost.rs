@@ -6,7 +6,7 @@ use serde_json::Value;
 
 fn report(folder: &Folder, arguments: &str) -> Value {
     succeeds(folder, &format!("{arguments} -report r.json"));
-    serde_json::from_slice(&std::fs::read(folder.path("r.json")).unwrap()).unwrap()
+    folder.json("r.json")
 }
 
 /// A box around the triangle is tested by every ray. The triangle is tested by those that enter it, and by their shadow

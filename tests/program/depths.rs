@@ -33,9 +33,7 @@ fn a_range_that_is_found_is_reported() {
     folder.write("s.txt", SCENE);
     let run = succeeds(&folder, "-input s.txt -size 21 21 -depth auto d.png -output o.png -report r.json");
     assert!(run.stderr.starts_with("depths: 10 to "), "{}", run.stderr);
-    let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(folder.path("r.json")).unwrap()).unwrap();
-    assert_eq!(report["depth_range"][0], 10.0);
+    assert_eq!(folder.json("r.json")["depth_range"][0], 10.0);
     assert_eq!(succeeds(&folder, "-input s.txt -depth auto d.png -quiet").stderr, "");
     folder.write("s.txt", SCENE.replace("direction 0 0 -1 up", "direction 0 0 1 up"));
     assert_eq!(succeeds(&folder, "-input s.txt -depth auto d.png").stderr, "depths: nothing is hit\n");

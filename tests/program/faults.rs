@@ -187,9 +187,7 @@ fn a_higher_picture_needs_no_more_memory() {
         let pictures = "-output o.png -normals n.png -depth 8 18 d.png -report r.json -max-memory 40M";
         let run = folder.a2(&format!("-input s.txt {pictures} -size 3000 {height} -threads 2"));
         assert_eq!(run.exit_code, 0, "{}", run.stderr);
-        let report = std::fs::read_to_string(folder.path("r.json")).unwrap();
-        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
-        report["peak_memory_bytes"].as_f64().unwrap()
+        folder.json("r.json")["peak_memory_bytes"].as_f64().unwrap()
     };
     let (low, high) = (peak(1000), peak(6000));
     // The pictures of the second have 105 MB more.

@@ -21,14 +21,10 @@ fn ends_with(exit_code: i32, folder: &Folder, arguments: &str) -> Run {
     run
 }
 
-fn read_report(folder: &Folder) -> Value {
-    serde_json::from_slice(&std::fs::read(folder.path("report.json")).unwrap()).unwrap()
-}
-
 /// Runs a2 with `-report` and reads the report.
 fn report(folder: &Folder, arguments: &str) -> Value {
     succeeds(folder, &format!("{arguments} -report report.json"));
-    read_report(folder)
+    folder.json("report.json")
 }
 
 /// Collects every key of a report as a path (`rays.camera`) with the type of its value. A list counts as one value.
@@ -189,7 +185,7 @@ fn a_target_error_that_is_not_reached_is_a_warning_and_an_exit_code() {
     let flags = "-size 30 30 -target-error 0.001 -time-limit 0.1 -output o.png -report report.json";
     let run = ends_with(3, &folder, &format!("{} {flags}", mirror_bunny()));
     assert!(run.stderr.contains("warning: the target error of 0.001 levels was not reached"), "{}", run.stderr);
-    let report = read_report(&folder);
+    let report = folder.json("report.json");
     assert_eq!(report["samples"]["target_error_reached"], false);
 }
 
@@ -248,7 +244,7 @@ fn a_time_limit_interrupts_long_mirror_paths() {
         let count = |byte: u8| picture.pixels().filter(|pixel| pixel.0 == [byte; 3]).count();
         assert_eq!(count(0) + count(whole), 100 * 100, "{flags}");
         assert!(count(0) > 0, "{flags}: everything was reached");
-        let report = read_report(&folder);
+        let report = folder.json("report.json");
         assert_eq!(report["samples"]["per_pixel_least"], 0, "{flags}");
         let reached = report["samples"]["share_of_pixels_reached"].as_f64().unwrap();
         assert!((reached - count(whole) as f64 / 1e4).abs() < 1e-9, "{flags}: {reached}");

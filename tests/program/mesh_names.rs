@@ -156,8 +156,7 @@ fn what_became_of_a_mesh_is_reported() {
     for line in [format!("\nmesh {counts}"), format!("\nmesh         {counts}")] {
         assert!(run.stderr.contains(&line), "{line}{}", run.stderr);
     }
-    let report: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.path("r.json")).unwrap()).unwrap();
+    let report = folder.json("r.json");
     let expected = serde_json::json!([{
         "file": "m.obj", "vertices": 6, "faces": 5, "triangles": 6, "degenerate_faces_left_out": 2, "polygons_cut": 2,
         "concave_polygons": 1,

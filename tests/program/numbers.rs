@@ -80,8 +80,7 @@ fn without_exr_support_the_format_is_refused_by_name() {
 /// Returns the true error of the scene's picture against a reference, from a report.
 fn true_error(folder: &Folder, reference: &str) -> Value {
     render(folder, &format!("-output again.png -reference {reference} -report r.json"));
-    let report: Value = serde_json::from_slice(&std::fs::read(folder.path("r.json")).unwrap()).unwrap();
-    report["true_error"].clone()
+    folder.json("r.json")["true_error"].clone()
 }
 
 fn number(error: &Value, key: &str) -> f64 {

@@ -29,7 +29,7 @@ fn folder() -> Folder {
 
 fn report(folder: &Folder, flags: &str) -> Value {
     succeeds(folder, &format!("-input s.txt -size 5 5 -report r.json {flags}"));
-    serde_json::from_slice(&std::fs::read(folder.path("r.json")).unwrap()).unwrap()
+    folder.json("r.json")
 }
 
 /// The ray through column 3 hits the mirror at 0.5 0 0, where the first light comes in at a cosine of 0.8, and goes on

@@ -9,6 +9,7 @@ pub mod reference;
 use a2::args::{Request, parse};
 use a2::options::Options;
 use image::RgbImage;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -58,6 +59,10 @@ impl Folder {
 
     pub fn picture(&self, name: &str) -> RgbImage {
         picture(&self.path(name))
+    }
+
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.path(name)).unwrap()).unwrap()
     }
 
     /// Names of the files in the folder, sorted.
