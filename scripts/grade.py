@@ -19,6 +19,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import batch  # noqa: E402
+import comparing  # noqa: E402
 import grade_judge  # noqa: E402
 import grade_page  # noqa: E402
 import grade_run  # noqa: E402
@@ -108,7 +109,7 @@ def graded(grader, submissions, arguments):
 
 def grade(arguments):
     """Grades, prints and writes all. Returns whether every submission has full credit."""
-    judge = Path(os.environ.get("A2_JUDGE") or batch.built_program()).resolve()
+    judge = comparing.judge()
     submissions = arguments.submissions or [Path(os.environ.get("A2") or judge)]
     submissions = [path.resolve() for path in submissions]
     with tempfile.TemporaryDirectory() as work:

@@ -1,6 +1,5 @@
 """Judges what a submission renders: picture by picture, against the references, by `a2 -compare`."""
 
-import json
 import struct
 import subprocess
 import tempfile
@@ -9,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import batch
+import comparing
 import grade_antialiasing
 import grade_run
 from grade_antialiasing import Antialiasing
@@ -122,15 +122,8 @@ class Grader:
 
     def compare(self, picture, reference, diff=None):
         """Compares two pictures. Returns what a2 found, or none and a message."""
-        with tempfile.TemporaryDirectory(dir=self.work) as folder:
-            report = Path(folder) / "report.json"
-            command = [self.a2, "-compare", picture, reference, "-report", report]
-            command += ["-diff", diff] if diff else []
-            result = subprocess.run(command, capture_output=True, text=True)
-            if result.returncode in (0, 1, 3):
-                return json.loads(report.read_text()), ""
-            message = result.stderr.removeprefix("error: ").strip()
-            return None, message or f"a2 -compare ended with exit code {result.returncode}"
+        report, message = comparing.compare(self.a2, picture, reference, diff)
+        return report, message.removeprefix("error: ")
 
     def panel_name(self):
         with self.lock:

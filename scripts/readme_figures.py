@@ -22,6 +22,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import batch  # noqa: E402
+import comparing  # noqa: E402
 
 PROJECT = batch.PROJECT
 BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
@@ -29,10 +30,11 @@ BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 
 def differing(a2, picture, reference):
     """Returns the percentage of pixels that differ, and the number that differ by more than eight levels."""
-    command = [a2, "-compare", picture, reference, "-tolerance", "255", "100"]
-    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    percent = float(re.search(r"over 0 levels\s+\d+ pixels, ([\d.]+)%", text)[1])
-    return percent, int(re.search(r"over 8 levels\s+(\d+) pixels", text)[1])
+    report, message = comparing.compare(a2, picture, reference)
+    if report is None or report["verdict"] == "sizes differ":
+        sys.exit(message)
+    over = report["pixels_over_levels"]
+    return 100 * over["0"] / (report["width"] * report["height"]), over["8"]
 
 
 def measure(a2, starter, work, runs):
@@ -45,7 +47,7 @@ def measure(a2, starter, work, runs):
             start = time.perf_counter()
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             seconds.append(time.perf_counter() - start)
-        off = [differing(a2, str(work / name), str(starter / "sample_out" / name)) for name in names]
+        off = [differing(a2, work / name, starter / "sample_out" / name) for name in names]
         percent, far = max(value[0] for value in off), max(value[1] for value in off)
         milliseconds = 1000 * statistics.median(seconds)
         yield f"| {scene.number} | {scene.shows} | {percent:.3f}% | {far} | {milliseconds:.0f} ms |"

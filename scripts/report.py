@@ -10,7 +10,6 @@ commands. It needs no other file and asks no server for anything.
 """
 
 import argparse
-import json
 import os
 import platform
 import re
@@ -23,6 +22,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import batch  # noqa: E402
+import comparing  # noqa: E402
 import grade_run  # noqa: E402
 import report_page  # noqa: E402
 
@@ -80,16 +80,9 @@ class Reporter:
 
     def compare(self, path, reference, panel=None):
         """Returns the JSON of a2 -compare and no message, or none and a message."""
-        result = self.work / "compared.json"
-        result.unlink(missing_ok=True)
-        command = [self.judge, "-compare", path, reference, "-report", result]
-        command += ["-diff", panel] if panel else []
-        done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-        report = json.loads(result.read_text()) if result.is_file() else {}
+        report, message = comparing.compare(self.judge, path, reference, panel)
         # Pictures of two sizes have a report without figures.
-        if "pixels_over_levels" in report:
-            return report, ""
-        return None, (done.stderr or done.stdout).strip() or f"a2 -compare ended with {done.returncode}"
+        return (report, "") if report and "pixels_over_levels" in report else (None, message)
 
     def picture(self, name):
         picture = Picture(name, self.work / name, self.samples / name, panel=self.work / f"panel_{name}")
@@ -172,7 +165,7 @@ def main():
                         help="its data/ is rendered, its sample_out/ is the reference [default: this project's]")
     parser.add_argument("--size", metavar="N", type=int, default=800, help="width and height [default: 800]")
     arguments = parser.parse_args()
-    judge = Path(os.environ.get("A2_JUDGE") or batch.built_program()).resolve()
+    judge = comparing.judge()
     program = (arguments.program or judge).resolve()
     if arguments.size < 4 * SHRINK_CURVE:
         parser.error(f"--size is at least {4 * SHRINK_CURVE}")
