@@ -1,7 +1,8 @@
 //! Hints: what is probably not meant is told on a terminal, and nowhere else.
 
 use crate::support::{Folder, SCENE};
-use std::process::Command;
+#[cfg(target_os = "linux")]
+use crate::terminal::on_a_terminal;
 
 /// Scenes, flags and what is hinted at.
 const CASES: [(&str, &str, &str, Option<&str>); 13] = [
@@ -30,15 +31,13 @@ const CASES: [(&str, &str, &str, Option<&str>); 13] = [
     ("direction 0 0 -1 up", "direction 0 0 1 up", "-output o.png -quiet", None),
 ];
 
-/// Util-linux's `script` runs a command on a terminal of its own.
 #[cfg(target_os = "linux")]
 #[test]
 fn hints_are_told_on_a_terminal_once() {
     let folder = Folder::new();
     for (from, to, flags, expected) in CASES {
         folder.write("s.txt", SCENE.replace(from, to));
-        let line = format!("'{}' -input s.txt -size 21 21 {flags}", env!("CARGO_BIN_EXE_a2"));
-        let run = folder.run(Command::new("script").args(["-qec", &line, "/dev/null"]));
+        let run = on_a_terminal(&folder, "", &format!("-input s.txt -size 21 21 {flags}"));
         assert_eq!(run.exit_code, 0, "{flags}: {}{}", run.stdout, run.stderr);
         let hints: Vec<&str> = run.stdout.split('\n').filter(|line| line.contains("hint: ")).collect();
         assert_eq!(hints.len(), usize::from(expected.is_some()), "{to} {flags}: {}", run.stdout);

@@ -1,5 +1,6 @@
 //! Tests of pictures in parts: `-region`, `-tile`, `-merge` and `-skip-done`.
 
+use crate::measuring::succeeds;
 use crate::support::{Folder, SCENE, SQUARE_OBJ, TRIANGLE, batch, project};
 use std::ffi::OsString;
 
@@ -115,15 +116,13 @@ fn parts_of_numbers_have_their_label_beside_them() {
     folder.write("s.txt", SCENE);
     for format in ["pfm", "exr"].into_iter().filter(|format| *format != "exr" || cfg!(feature = "exr")) {
         let render = |name: &str, part: &str| {
-            let run = folder.a2(&format!("-input s.txt -size 40 30 -output {name}.{format} {part}"));
-            assert_eq!(run.exit_code, 0, "{}", run.stderr);
+            succeeds(&folder, &format!("-input s.txt -size 40 30 -output {name}.{format} {part}"))
         };
         render("whole", "");
         render("a", "-region 0 0 15 30");
         render("b", "-region 15 0 25 30");
         assert!(folder.path(&format!("a.{format}.part")).exists());
-        let run = folder.a2(&format!("-merge all.{format} b.{format} a.{format}"));
-        assert_eq!(run.exit_code, 0, "{}", run.stderr);
+        succeeds(&folder, &format!("-merge all.{format} b.{format} a.{format}"));
         let bytes = |name: &str| std::fs::read(folder.path(&format!("{name}.{format}"))).unwrap();
         assert!(bytes("all") == bytes("whole"), "{format}");
     }
@@ -133,10 +132,7 @@ fn parts_of_numbers_have_their_label_beside_them() {
 fn what_makes_no_picture_is_refused_by_name() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE).write("t.txt", SCENE.replace("-3 -3 0", "-3 -2 0"));
-    let render = |name: &str, flags: &str| {
-        let run = folder.a2(&format!("-size 20 20 -output {name} {flags}"));
-        assert_eq!(run.exit_code, 0, "{}", run.stderr);
-    };
+    let render = |name: &str, flags: &str| succeeds(&folder, &format!("-size 20 20 -output {name} {flags}"));
     render("top.png", "-input s.txt -tile 1/2");
     render("bottom.png", "-input s.txt -tile 2/2");
     render("large.png", "-input s.txt -region 0 9 20 11");
@@ -191,9 +187,7 @@ fn what_is_done_is_skipped_and_what_has_changed_is_not() {
     folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }")).write("m.obj", SQUARE_OBJ);
     let render = |flags: &str| {
         let line = format!("-input s.txt -size 20 20 -output o.png -normals n.pfm.png -skip-done {flags}");
-        let run = folder.a2(&line);
-        assert_eq!(run.exit_code, 0, "{}", run.stderr);
-        run.stderr.contains("nothing is rendered")
+        succeeds(&folder, &line).stderr.contains("nothing is rendered")
     };
     let bytes = || std::fs::read(folder.path("o.png")).unwrap();
     assert!(!render("-tile 1/2"));

@@ -1,7 +1,7 @@
 //! `scripts/report.py` writes one page that needs nothing else.
 
+use crate::grading::write_submission;
 use crate::support::{Folder, batch, project};
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
@@ -61,8 +61,7 @@ fn a_report_holds_every_picture_and_asks_for_no_other_file() {
     }
 
     // Pictures of another size are shown, and cannot be compared. Of a flag given twice, the last one counts.
-    folder.write("small", format!("#!/bin/sh\nexec {} \"$@\" -size 9 8\n", env!("CARGO_BIN_EXE_a2")));
-    std::fs::set_permissions(folder.path("small"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    write_submission(&folder, "small", &format!("exec {} \"$@\" -size 9 8", env!("CARGO_BIN_EXE_a2")));
     let page = report(&folder, Path::new("./small"));
     assert_eq!((count(&page, "the other picture 9 x 8"), count(&page, "class=\"slider\"")), (21, 0));
 

@@ -5,7 +5,7 @@ use std::process::Command;
 
 /// Runs `a2` on a terminal of its own, which util-linux's `script` makes; what is said there is in `stdout`.
 #[cfg(target_os = "linux")]
-fn on_a_terminal(folder: &Folder, setting: &str, arguments: &str) -> Run {
+pub fn on_a_terminal(folder: &Folder, setting: &str, arguments: &str) -> Run {
     let line = format!("{setting} '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
     let mut command = Command::new("script");
     folder.run(command.args(["-qec", &line, "/dev/null"]).env_remove("NO_COLOR").env("TERM", "xterm"))
