@@ -13,9 +13,8 @@ pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Cam
     const KEYS: &[Key] =
         &[("center", Occurs::Once), ("direction", Occurs::Once), ("up", Occurs::Once), ("angle", Occurs::Once)];
     let at = |value, span| At { value, span };
-    let mistakes = fields.mistakes.len();
     let mut camera = CameraBlock::default();
-    fields.block(name, KEYS, |fields, key, span| {
+    let is_clear = fields.block(name, KEYS, |fields, key, span| {
         match key {
             "center" => camera.center = at(fields.vector3(key)?, span),
             "direction" => camera.direction = at(fields.vector3(key)?, span),
@@ -24,16 +23,15 @@ pub(super) fn camera<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<Cam
         }
         Ok(())
     })?;
-    Ok(if fields.mistakes.len() == mistakes { camera } else { CameraBlock::default() })
+    Ok(if is_clear { camera } else { CameraBlock::default() })
 }
 
 /// Parses `Background { color r g b  ambientLight r g b  cubeMap folder }`, all optional.
 pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<BackgroundBlock, Error> {
     const KEYS: &[Key] =
         &[("color", Occurs::AtMostOnce), ("ambientLight", Occurs::AtMostOnce), ("cubeMap", Occurs::AtMostOnce)];
-    let mistakes = fields.mistakes.len();
     let mut background = BackgroundBlock::default();
-    fields.block(name, KEYS, |fields, key, _| {
+    let is_clear = fields.block(name, KEYS, |fields, key, _| {
         match key {
             "color" => background.color = fields.vector3(key)?,
             "ambientLight" => background.ambient_light = fields.vector3(key)?,
@@ -41,7 +39,7 @@ pub(super) fn background<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result
         }
         Ok(())
     })?;
-    if fields.mistakes.len() > mistakes {
+    if !is_clear {
         // It may be a part of the name only.
         background.cube_map = None;
     }

@@ -177,7 +177,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Reads `{ key value ... }`; calls `read` after each key to read its value. Mistakes in it are noted.
+    /// Reads `{ key value ... }`; calls `read` after each key to read its value. Mistakes in it are noted. Returns whether
+    /// there are none.
     ///
     /// # Errors
     /// [`Error::Source`] for a mistake after which nothing can be said about the rest.
@@ -186,7 +187,7 @@ impl<'a> Fields<'a> {
         name: Token<'a>,
         keys: &[Key],
         mut read: impl FnMut(&mut Self, &'static str, Span) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
         let mistakes = self.mistakes.len();
         self.open_brace(name)?;
         let mut seen: Vec<(&str, Span)> = Vec::new();
@@ -211,13 +212,13 @@ impl<'a> Fields<'a> {
         }
         self.close();
         let missing = |key: &&Key| key.1 == Occurs::Once && !seen.iter().any(|(name, _)| *name == key.0);
-        match keys.iter().find(missing) {
-            // What is missing may be what is mistyped.
-            Some((key, _)) if self.mistakes.len() == mistakes => {
-                self.note(self.error(name.span, format!("this '{}' has no '{key}'", name.text)))
-            }
-            _ => Ok(()),
+        // What is missing may be what is mistyped.
+        if self.mistakes.len() == mistakes
+            && let Some((key, _)) = keys.iter().find(missing)
+        {
+            self.note(self.error(name.span, format!("this '{}' has no '{key}'", name.text)))?;
         }
+        Ok(self.mistakes.len() == mistakes)
     }
 
     /// Notes that `key` is at `span`; returns an error if it was seen before.

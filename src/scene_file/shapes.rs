@@ -80,13 +80,12 @@ fn triangle<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, E
 /// Parses `TriangleMesh { obj_file path.obj }`.
 fn triangle_mesh<'a>(fields: &mut Fields<'a>, name: Token<'a>) -> Result<LeafShape, Error> {
     const KEYS: &[Key] = &[("obj_file", Occurs::Once)];
-    let mistakes = fields.mistakes.len();
     let mut obj_file = At { value: String::new(), span: name.span };
-    fields.block(name, KEYS, |fields, key, _| {
+    let is_clear = fields.block(name, KEYS, |fields, key, _| {
         obj_file = fields.path(key, "a file")?;
         Ok(())
     })?;
-    if fields.mistakes.len() > mistakes {
+    if !is_clear {
         // It may be a part of the name only.
         obj_file.value.clear();
     }
