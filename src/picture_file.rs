@@ -3,10 +3,11 @@
 
 use crate::input::read_whole;
 use crate::options::has_extension;
+use crc32fast::Hasher;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, Limits};
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Cursor, Read as _, Result as IoResult};
+use std::io::{BufRead, BufReader, Cursor, Read as _, Result as IoResult};
 use std::path::Path;
 
 /// Largest number of pixels: a picture of three bytes a pixel fits into the memory of every machine.
@@ -61,7 +62,8 @@ impl PictureFile {
 ///
 /// The checksums of the whole file are checked, so that damage is seen wherever it is.
 pub fn first_rows(path: &Path, size: (u32, u32), rows: u32) -> Option<Vec<u8>> {
-    let file = read_bytes(path).ok().filter(|file| has_right_checksums(file))?;
+    let file =
+        read_bytes(path).ok().filter(|file| has_right_checksums(file.as_slice()).is_ok_and(|right| right))?;
     let mut reader = png::Decoder::new(Cursor::new(file)).read_info().ok()?;
     let info = reader.info();
     let is_plain = info.color_type == png::ColorType::Rgb
@@ -80,24 +82,43 @@ pub fn first_rows(path: &Path, size: (u32, u32), rows: u32) -> Option<Vec<u8>> {
 
 /// Returns whether a PNG file is whole and no byte of it has changed: every chunk (length, name, data, checksum of name and
 /// data) up to the last one is as it was written.
-fn has_right_checksums(file: &[u8]) -> bool {
+pub fn has_right_checksums(mut file: impl BufRead) -> IoResult<bool> {
     const SIGNATURE: usize = 8;
-    let mut rest = file.get(SIGNATURE..).unwrap_or_default();
-    while let Some((&length, chunk)) = rest.split_first_chunk() {
-        let named = chunk.split_at_checked(4 + u32::from_be_bytes(length) as usize);
-        let Some((named, Some((&checksum, later)))) = named.map(|(named, rest)| (named, rest.split_first_chunk()))
-        else {
-            return false;
-        };
-        if crc32fast::hash(named) != u32::from_be_bytes(checksum) {
-            return false;
+    file.read_exact(&mut [0; SIGNATURE])?;
+    loop {
+        let (mut length, mut name, mut written) = ([0; 4], [0; 4], [0; 4]);
+        file.read_exact(&mut length)?;
+        file.read_exact(&mut name)?;
+        let mut checksum = Hasher::new();
+        checksum.update(&name);
+        add(&mut checksum, file.by_ref().take(u32::from_be_bytes(length).into()))?;
+        file.read_exact(&mut written)?;
+        if checksum.finalize() != u32::from_be_bytes(written) {
+            return Ok(false);
         }
-        if named == b"IEND" {
-            return true;
+        if &name == b"IEND" {
+            return Ok(true);
         }
-        rest = later;
     }
-    false
+}
+
+/// Returns the checksum of a whole file.
+pub fn checksum(file: impl BufRead) -> IoResult<u32> {
+    let mut checksum = Hasher::new();
+    add(&mut checksum, file)?;
+    Ok(checksum.finalize())
+}
+
+fn add(checksum: &mut Hasher, mut bytes: impl BufRead) -> IoResult<()> {
+    loop {
+        let some = bytes.fill_buf()?;
+        if some.is_empty() {
+            return Ok(());
+        }
+        checksum.update(some);
+        let count = some.len();
+        bytes.consume(count);
+    }
 }
 
 /// Reads a whole picture file into memory.

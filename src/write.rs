@@ -44,14 +44,14 @@ fn planes(options: &Options) -> impl Iterator<Item = (Plane, &Path)> {
     planes.into_iter().filter_map(|(plane, path)| Some((plane, path?)))
 }
 
-/// Returns whether all pictures are there already: whole, and by the same scene, arguments and version. `hash` is that of
-/// the scene and its files.
+/// Returns whether all files are there already, and the pictures among them are whole and by the same scene, arguments and
+/// version. `hash` is that of the scene and its files.
 pub fn are_done(options: &Options, hash: u128) -> bool {
-    let shown = options.shown();
-    planes(options).all(|(plane, path)| {
+    let is_done = |(plane, path)| {
         let label = Label::new(options, plane, hash).to_string();
-        film::read_label(path) == Some(label) && film::is_whole(path, (shown.width, shown.height))
-    })
+        film::read_label(path) == Some(label) && film::is_whole(path)
+    };
+    options.files().all(Path::exists) && planes(options).all(is_done)
 }
 
 /// Begins the pictures, in the files that were begun for them. They get labels if there is a `hash`, that of the scene and

@@ -1,10 +1,12 @@
 //! The label of a picture file: a text by which parts of a picture find together, and finished work is recognised. It
-//! stands in a text chunk of a PNG, and beside a `.pfm` or `.exr` in a file of the same name with `.part` behind it.
+//! stands in a text chunk of a PNG, and beside a `.pfm` or `.exr` in a file of the same name with `.part` behind it, which
+//! holds the picture's checksum, too.
 
 use crate::options::has_extension;
+use crate::picture_file::{checksum, has_right_checksums};
 use png::Decoder;
 use std::fs::File;
-use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
+use std::io::{self, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 /// The keyword of the text chunk.
@@ -17,32 +19,41 @@ pub(super) fn file_beside(picture: &Path) -> Option<PathBuf> {
     ["pfm", "exr"].iter().any(|extension| has_extension(picture, extension)).then(|| name.into())
 }
 
+/// Stands in a file beside a picture between its label and the picture's checksum.
+const CHECKSUM: &str = "\nchecksum ";
+
+/// Returns the text of the file beside a picture of numbers.
+pub(super) fn text_beside(label: &str, picture: &Path) -> io::Result<String> {
+    Ok(format!("{label}{CHECKSUM}{:08x}\n", checksum(BufReader::new(File::open(picture)?))?))
+}
+
 /// Reads the label of a picture file; `None` if there is no such file, or it has no label.
 pub fn read_label(picture: &Path) -> Option<String> {
-    if let Some(path) = file_beside(picture) {
-        /// More is no label.
-        const LONGEST: u64 = 1 << 16;
-        let mut text = String::new();
-        let file = File::open(path).ok().filter(|_| picture.is_file())?;
-        return file.take(LONGEST).read_to_string(&mut text).ok().map(|_| text);
+    if file_beside(picture).is_some() {
+        return read_beside(picture).map(|(label, _)| label);
     }
     let reader = Decoder::new(BufReader::new(File::open(picture).ok()?)).read_info().ok()?;
     let texts = &reader.info().uncompressed_latin1_text;
     texts.iter().find(|chunk| chunk.keyword == KEYWORD).map(|chunk| chunk.text.clone())
 }
 
-/// Returns whether a PNG or PFM file of a picture of this size is as long as it should be: one that was copied in part is
-/// not.
-pub fn is_whole(picture: &Path, (width, height): (u32, u32)) -> bool {
-    let Ok(mut file) = File::open(picture) else { return false };
-    if has_extension(picture, "pfm") {
-        let numbers = 12 * u64::from(width) * u64::from(height);
-        let header = super::numbers::pfm_header((width, height)).len() as u64;
-        return file.metadata().is_ok_and(|metadata| metadata.len() == header + numbers);
-    }
-    /// The last chunk of every PNG.
-    const END: &[u8; 12] = b"\0\0\0\0IEND\xae\x42\x60\x82";
-    let mut end = [0; END.len()];
-    let read = file.seek(SeekFrom::End(-(END.len() as i64))).and_then(|_| file.read_exact(&mut end));
-    !has_extension(picture, "png") || (read.is_ok() && end == *END)
+/// Reads the label and the checksum of a picture of numbers.
+fn read_beside(picture: &Path) -> Option<(String, u32)> {
+    /// More is no label.
+    const LONGEST: u64 = 1 << 16;
+    let mut text = String::new();
+    let file = File::open(file_beside(picture)?).ok().filter(|_| picture.is_file())?;
+    file.take(LONGEST).read_to_string(&mut text).ok()?;
+    let (label, checksum) = text.rsplit_once(CHECKSUM)?;
+    Some((label.to_owned(), u32::from_str_radix(checksum.trim_end(), 16).ok()?))
+}
+
+/// Returns whether a picture file with a label is as it was written: no byte is missing or has changed.
+pub fn is_whole(picture: &Path) -> bool {
+    let Ok(file) = File::open(picture).map(BufReader::new) else { return false };
+    let is_whole = match file_beside(picture) {
+        Some(_) => checksum(file).map(|found| read_beside(picture).is_some_and(|(_, written)| written == found)),
+        None => has_right_checksums(file),
+    };
+    is_whole.is_ok_and(|is_whole| is_whole)
 }

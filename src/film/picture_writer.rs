@@ -1,6 +1,6 @@
 //! [`PictureWriter`]: writes a plane of a film into a file, band by band.
 
-use super::label::file_beside;
+use super::label::{file_beside, text_beside};
 use super::numbers::{encode_exr, pfm_header, write_pfm_rows};
 use super::png::PngEncoder;
 use super::{BandWriter, Film};
@@ -76,6 +76,7 @@ impl PictureWriter {
         };
         ended.map_err(|error| self.file.refused(&error))?;
         let Some((path, label)) = self.label else { return self.file.finish() };
+        let picture = self.file.name().to_owned();
         // At no time does it belong to another picture.
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -83,7 +84,8 @@ impl PictureWriter {
             }
             _ => self.file.finish()?,
         }
-        write_whole(&path, "the label", |writer| writer.write_all(label.as_bytes()))
+        let text = text_beside(&label, &picture).map_err(|error| Error::io(&picture, "read", &error))?;
+        write_whole(&path, "the label", |writer| writer.write_all(text.as_bytes()))
     }
 
     fn write_band(&mut self, band: &Film) -> io::Result<()> {

@@ -5,8 +5,8 @@ mod cover;
 mod part_reader;
 
 use crate::error::Error;
-use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, read_label};
-use crate::options::{MergeOptions, has_extension};
+use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, is_whole, read_label};
+use crate::options::{MergeOptions, Region, has_extension};
 use crate::output::{self, OutputFile};
 use crate::part::Label;
 use cover::{Problem, Span, spans};
@@ -29,7 +29,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Error> {
     let labels = labels(output, parts)?;
     let size = labels[0].size;
     let places: Vec<_> = labels.iter().map(|label| label.place).collect();
-    let spans = spans(&places, size).map_err(|problem| refusal(&problem, parts))?;
+    let spans = spans(&places, size).map_err(|problem| refusal(&problem, parts, &places))?;
     let mut writer = PictureWriter::new(file, Plane::Color, size, None)?;
     let is_png = numbers(output).is_none();
     let planes = Planes { color: is_png, linear: !is_png, ..Planes::default() };
@@ -78,14 +78,27 @@ fn labels(output: &Path, parts: &[PathBuf]) -> Result<Vec<Label>, Error> {
             let message = format!("this is no part of the picture of '{}': {difference}", parts[0].display());
             return Err(Error::file(path, message));
         }
+        if !is_whole(path) {
+            return Err(Error::file(path, "this part is damaged, or was copied in part: make it again"));
+        }
         labels.push(label);
     }
     Ok(labels)
 }
 
-fn refusal(problem: &Problem, parts: &[PathBuf]) -> Error {
+fn refusal(problem: &Problem, parts: &[PathBuf], places: &[Region]) -> Error {
     Error::Refused(match *problem {
-        Problem::Gap { pixel: (x, row) } => format!("no part has the pixel in column {x}, row {row}"),
+        Problem::Gap { pixel: (x, row) } => {
+            let start = |part: &usize| (places[*part].row, places[*part].x);
+            let others = 0..parts.len();
+            let before = others.clone().filter(|part| start(part) < (row, x)).max_by_key(start);
+            let after = others.filter(|part| start(part) > (row, x)).min_by_key(start);
+            let named = |word: &str, part: Option<usize>| {
+                part.map_or(String::new(), |part| format!(", {word} '{}'", parts[part].display()))
+            };
+            let (before, after) = (named("after", before), named("before", after));
+            format!("no part has the pixel in column {x}, row {row}{before}{after}")
+        }
         Problem::Overlap { parts: [a, b], pixel: (x, row) } => {
             let (a, b) = (parts[a].display(), parts[b].display());
             format!("'{a}' and '{b}' overlap: both have the pixel in column {x}, row {row}")

@@ -136,6 +136,8 @@ fn what_makes_no_picture_is_refused_by_name() {
     render("top.png", "-input s.txt -tile 1/2");
     render("bottom.png", "-input s.txt -tile 2/2");
     render("large.png", "-input s.txt -region 0 9 20 11");
+    render("first.png", "-input s.txt -region 0 0 20 7");
+    render("third.png", "-input s.txt -region 0 13 20 7");
     render("scene.png", "-input t.txt -tile 2/2");
     render("bounces.png", "-input s.txt -tile 2/2 -bounces 3");
     render("size.png", "-input s.txt -size 20 21 -tile 2/2");
@@ -146,8 +148,9 @@ fn what_makes_no_picture_is_refused_by_name() {
     folder.write("bottom.pfm.part", label.replace("version ", "version 9"));
     let before = folder.files();
     for (arguments, parts) in [
-        ("o.png top.png", ["no part has the pixel in column 0, row 10", ""]),
-        ("o.png bottom.png", ["no part has the pixel in column 0, row 0", ""]),
+        ("o.png top.png", ["no part has the pixel in column 0, row 10", ", after 'top.png'"]),
+        ("o.png bottom.png", ["no part has the pixel in column 0, row 0", ", before 'bottom.png'"]),
+        ("o.png third.png first.png", ["column 0, row 7, after 'first.png', before 'third.png'", ""]),
         ("o.png top.png large.png", ["'top.png' and 'large.png' overlap", "column 0, row 9"]),
         ("o.png top.png top.png", ["'top.png' and 'top.png' overlap", ""]),
         ("o.png top.png scene.png", ["scene.png: this is no part of the picture of 'top.png'", "its scene"]),
@@ -182,6 +185,34 @@ fn a_part_that_is_cut_short_is_an_error() {
 }
 
 #[test]
+fn a_damaged_part_is_not_joined_and_is_made_again() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let formats = ["png", "pfm", "exr"].into_iter().filter(|&format| format != "exr" || cfg!(feature = "exr"));
+    for format in formats {
+        let render = |part: &str| {
+            let line = format!("-input s.txt -size 40 30 -tile {part}/2 -output {part}.{format} -skip-done");
+            let run = folder.a2(&line);
+            assert_eq!(run.exit_code, 0, "{}", run.stderr);
+            run.stderr.contains("nothing is rendered")
+        };
+        assert!(!render("1") && !render("2") && render("1"));
+        let name = format!("1.{format}");
+        let whole = std::fs::read(folder.path(&name)).unwrap();
+        for eighth in 1..8 {
+            let mut bytes = whole.clone();
+            bytes[eighth * whole.len() / 8] ^= 1;
+            folder.write(&name, &bytes);
+            let run = folder.a2(&format!("-merge o.{format} 1.{format} 2.{format}"));
+            assert_eq!(run.exit_code, 1, "{eighth}: {}", run.stderr);
+            assert!(run.stderr.contains(&format!("{name}: ")), "{eighth}: {}", run.stderr);
+            assert!(!folder.path(&format!("o.{format}")).exists(), "{eighth}");
+            assert!(!render("1") && std::fs::read(folder.path(&name)).unwrap() == whole, "{eighth}");
+        }
+    }
+}
+
+#[test]
 fn what_is_done_is_skipped_and_what_has_changed_is_not() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }")).write("m.obj", SQUARE_OBJ);
@@ -205,6 +236,10 @@ fn what_is_done_is_skipped_and_what_has_changed_is_not() {
     assert!(!render("-tile 1/2") && render("-tile 1/2"));
     // Whole pictures are recognised, too.
     assert!(!render("") && render(""));
+    // Who asks for a report gets one.
+    assert!(!render("-report r.json") && render("-report r.json"));
+    std::fs::remove_file(folder.path("r.json")).unwrap();
+    assert!(!render("-report r.json") && folder.path("r.json").exists());
 }
 
 #[test]
