@@ -2,7 +2,7 @@
 
 use super::fields::{Fields, Key, is_key};
 use super::lexer::{Lexer, Token, is_quote};
-use super::typing::{foreign_character, in_ascii, is_number, punctuated};
+use super::typing::{cleaned, foreign_character, in_ascii, is_number, numbers_in, punctuated};
 use super::words::{BLOCKS, belongs_into, equivalent};
 use crate::error::{Error, MOST_SHOWN, Span, counted, cut_short, probably_meant};
 
@@ -180,7 +180,8 @@ impl<'a> Fields<'a> {
     pub fn no_number(&mut self, token: Token<'a>, key: &str, index: usize, count: usize) -> Error {
         self.lexer.put_back(token);
         if let Some(error) = self.mistyped(token) {
-            return error;
+            let numbers = self.numbers_in_line(count - index);
+            return numbers.and_then(|numbers| self.mistyped(numbers)).unwrap_or(error);
         }
         let (found, is_a_word) =
             (cut_short(token.text), !token.text.starts_with(|c: char| "+-.0123456789".contains(c)));
@@ -200,6 +201,28 @@ impl<'a> Fields<'a> {
         self.error(token.span, message)
     }
 
+    /// Reads up to `count` numbers in one line, also mistyped ones, so that one message can be about all.
+    fn numbers_in_line(&mut self, count: usize) -> Option<Token<'a>> {
+        let text = &self.source.text;
+        let mut all: Option<Span> = None;
+        let mut found = 0;
+        while found < count {
+            let Some(token) = self.lexer.next() else { break };
+            let start = all.map_or(token.span.start, |all| all.start);
+            match numbers_in(token.text) {
+                Some(more) if !text[start..token.span.end].contains(['\n', '#', '/']) => {
+                    found += more;
+                    all = Some(Span { start, end: token.span.end });
+                }
+                _ => {
+                    self.lexer.put_back(token);
+                    break;
+                }
+            }
+        }
+        all.map(|span| Token { text: &text[span.start..span.end], span })
+    }
+
     /// Makes the error for a number, or what stands in its place, that is typed with the wrong characters.
     pub fn mistyped(&self, token: Token) -> Option<Error> {
         if let Some(error) = self.foreign(token) {
@@ -216,12 +239,12 @@ impl<'a> Fields<'a> {
     fn foreign(&self, token: Token) -> Option<Error> {
         let mistyped = foreign_character(token.text, token.span)?;
         let error = self.error(mistyped.span, mistyped.message);
-        let ascii = in_ascii(token.text);
-        let is_whole = ascii.is_ascii() && ascii.len() <= LONGEST_NAME && token.text.chars().count() > 1;
-        Some(if is_whole {
-            error.with_note(format!("write '{ascii}' instead of '{}'", token.text))
-        } else {
-            error
+        let right = cleaned(token.text);
+        let is_whole = right.is_ascii() && right.len() <= LONGEST_NAME && token.text.chars().count() > 1;
+        Some(match is_whole {
+            true if right.is_empty() => error.with_note(format!("leave out '{}'", token.text)),
+            true => error.with_note(format!("write '{right}' instead of '{}'", token.text)),
+            false => error,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Words that were typed with other characters than the grammar has: commas, equal signs, and characters of a Chinese
 //! keyboard that look like ASCII.
 
+use super::lexer::is_quote;
 use crate::error::{Span, cut_short};
 
 /// What is wrong with a word, and where.
@@ -36,7 +37,10 @@ pub(super) fn foreign_character(word: &str, span: Span) -> Option<Mistyped> {
     let span = Span { start: span.start + at, end: span.start + at + found.len_utf8() };
     let code = format!("U+{:04X}", found as u32);
     let message = match look_alike(found) {
-        Some((typed, kind)) => format!("'{found}' ({code}) is {kind}: type '{typed}'"),
+        Some((typed, kind)) => match PUNCTUATION.iter().find(|known| known.0 == typed && !is_quote(typed)) {
+            Some((_, name)) => format!("'{found}' ({code}) is {kind}, and scenes have no {name}"),
+            None => format!("'{found}' ({code}) is {kind}: type '{typed}'"),
+        },
         None if found.is_alphanumeric() => {
             format!("'{found}' ({code}) stands in a word that has ASCII letters only")
         }
@@ -70,14 +74,32 @@ fn is_punctuation(c: char) -> bool {
     PUNCTUATION.iter().any(|known| known.0 == c)
 }
 
-/// Returns what to say about a word with punctuation, if without it it is made of parts that are all `right`.
+/// Iterates over the parts of a text that stand between punctuation and white space.
+fn parts(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| is_punctuation(c) || c.is_whitespace()).filter(|part| !part.is_empty())
+}
+
+/// Returns a text with ASCII in the place of what looks like it, and without punctuation.
+pub(super) fn cleaned(text: &str) -> String {
+    parts(&in_ascii(text)).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns how many numbers a word holds, if it holds nothing else besides characters that are mistyped.
+pub(super) fn numbers_in(word: &str) -> Option<usize> {
+    let ascii = in_ascii(word);
+    parts(&ascii).all(is_number).then(|| parts(&ascii).count())
+}
+
+/// Returns what to say about a text with punctuation, if without it it is made of parts that are all `right`.
 pub(super) fn punctuated(word: &str, right: impl Fn(&str) -> bool) -> Option<String> {
-    let kind = PUNCTUATION.iter().find(|known| word.contains(known.0))?.1;
-    let parts: Vec<&str> = word.split(is_punctuation).filter(|part| !part.is_empty()).collect();
-    if !parts.iter().all(|part| right(part)) {
+    let mut kinds: Vec<&str> =
+        PUNCTUATION.iter().filter(|known| word.contains(known.0)).map(|known| known.1).collect();
+    kinds.dedup();
+    let parts: Vec<&str> = parts(word).collect();
+    if kinds.is_empty() || !parts.iter().all(|part| right(part)) {
         return None;
     }
-    let word = cut_short(word);
+    let (word, kind) = (cut_short(word), kinds.join(" or "));
     Some(match parts.is_empty() {
         true => format!("scenes have no {kind}: leave out '{word}'"),
         false => {
@@ -115,9 +137,10 @@ mod tests {
     fn punctuation_is_named_where_it_is_all_that_is_wrong() {
         for (word, message) in [
             ("0,", "no commas: write '0' instead of '0,'"),
-            ("(1,2,3)", "no commas: write '1 2 3' instead of '(1,2,3)'"),
+            ("(1,2,3)", "no commas or parentheses: write '1 2 3' instead of '(1,2,3)'"),
             ("30;", "no semicolons: write '30' instead of '30;'"),
             ("=", "no equal signs: leave out '='"),
+            ("0.2, 0, 0.6;", "no commas or semicolons: write '0.2 0 0.6' instead of '0.2, 0, 0.6;'"),
             ("=1", "no equal signs: write '1' instead of '=1'"),
         ] {
             assert_eq!(punctuated(word, is_number), Some(format!("scenes have {message}")), "{word}");

@@ -15,7 +15,7 @@ const BROKEN: [(&str, &str, &str, &str); 10] = [
         "shininess 30\n    }\n",
         "expected '}' to end the 'Materials'",
     ),
-    ("Numbers have commas between them.", "color 0.2 0 0.6", "color 0.2, 0, 0.6", "no commas: write '0.2'"),
+    ("Numbers have commas between them.", "color 0.2 0 0.6", "color 0.2, 0, 0.6", "no commas: write '0.2 0 0.6'"),
     (
         "A character comes from a Chinese keyboard.",
         "Translate 0.5 -2.6 0",

@@ -94,14 +94,20 @@ fn a_missing_brace_is_named_with_the_block_that_it_ends() {
 #[test]
 fn the_punctuation_of_other_formats_is_named() {
     for (from, to, message) in [
-        ("center 0 0 0", "center 0, 0 0", "s.txt:7:12: scenes have no commas: write '0' instead of '0,'"),
+        ("center 0 0 0", "center 0, 0 0", "s.txt:7:12: scenes have no commas: write '0 0 0' instead of '0, 0 0'"),
+        (
+            "center 0 0 0",
+            "center 0.2, 0, 0.6;",
+            "s.txt:7:12: scenes have no commas or semicolons: write '0.2 0 0.6' instead of '0.2, 0, 0.6;'",
+        ),
+        ("center 0 0 0", "center 0,\n0 0", "s.txt:7:12: scenes have no commas: write '0' instead of '0,'"),
         (
             "center 0 0 0",
             "center (0,0,0)",
-            "s.txt:7:12: scenes have no commas: write '0 0 0' instead of '(0,0,0)'",
+            "s.txt:7:12: scenes have no commas or parentheses: write '0 0 0' instead of '(0,0,0)'",
         ),
         ("radius 1", "radius 1;", "s.txt:8:12: scenes have no semicolons: write '1' instead of '1;'"),
-        ("radius 1", "radius = 1", "s.txt:8:12: scenes have no equal signs: leave out '='"),
+        ("radius 1", "radius = 1", "s.txt:8:12: scenes have no equal signs: write '1' instead of '= 1'"),
         ("radius 1", "radius=1", "s.txt:8:5: scenes have no equal signs: write 'radius 1' instead of 'radius=1'"),
         ("radius 1", "radius: 1", "s.txt:8:5: scenes have no colons: write 'radius' instead of 'radius:'"),
         ("radius 1", "radius 1.0f", "s.txt:8:12: numbers have no suffix: write '1.0' instead of '1.0f'"),
@@ -131,8 +137,26 @@ fn characters_that_look_like_ascii_are_named() {
         (
             "center 0 0 0",
             "center 0\u{ff0c} 0 0",
-            "s.txt:7:13: '\u{ff0c}' (U+FF0C) is a full-width character: type ','",
-            "",
+            "s.txt:7:13: '\u{ff0c}' (U+FF0C) is a full-width character, and scenes have no commas",
+            "write '0 0 0' instead of '0\u{ff0c} 0 0'",
+        ),
+        (
+            "center 0 0 0",
+            "center 0.2\u{ff0c}0\u{ff0c}0.6\u{ff1b}",
+            "s.txt:7:15: '\u{ff0c}' (U+FF0C) is a full-width character, and scenes have no commas",
+            "write '0.2 0 0.6' instead of",
+        ),
+        (
+            "radius 1",
+            "radius\u{ff1a} 1",
+            "s.txt:8:11: '\u{ff1a}' (U+FF1A) is a full-width character, and scenes have no colons",
+            "write 'radius' instead of",
+        ),
+        (
+            "radius 1",
+            "radius \u{ff1d} 1",
+            "s.txt:8:12: '\u{ff1d}' (U+FF1D) is a full-width character, and scenes have no equal signs",
+            "write '1' instead of '\u{ff1d} 1'",
         ),
         (
             "numObjects 1",
