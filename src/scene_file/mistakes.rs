@@ -10,11 +10,15 @@ use crate::error::{Error, MOST_SHOWN, Span, counted, cut_short, probably_meant};
 const LONGEST_NAME: usize = 200;
 
 impl<'a> Fields<'a> {
-    /// Keeps a mistake, so that others can be found, too.
+    /// Keeps a mistake, so that others can be found, too. What is said already is not said again.
     ///
     /// # Errors
     /// The mistake itself, if nothing can be said about what comes after it, or if there are enough.
     pub fn note(&mut self, error: Error) -> Result<(), Error> {
+        let said = error.to_string();
+        if self.mistakes.iter().any(|known| known.to_string() == said) {
+            return Ok(());
+        }
         self.is_lost |= self.mistakes.len() + 1 == MOST_SHOWN;
         if self.is_lost {
             return Err(error);

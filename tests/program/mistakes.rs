@@ -118,6 +118,14 @@ fn the_punctuation_of_other_formats_is_named() {
 }
 
 #[test]
+fn a_mistake_is_shown_once() {
+    for mistake in ["30;", "\u{2212}30"] {
+        let scene = with_material(&format!("Group {{ numObjects 1 MaterialIndex 0 Triangle {mistake} }} }}"));
+        says(&scene, "s.txt:3:47: ", "instead of");
+    }
+}
+
+#[test]
 fn characters_that_look_like_ascii_are_named() {
     for (from, to, message, hint) in [
         (
