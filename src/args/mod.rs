@@ -45,14 +45,17 @@ pub fn parse(argv: impl IntoIterator<Item = OsString>) -> Result<Request, Error>
     if argv.is_empty() {
         return Ok(Request::PrintUsage(help::screen()));
     }
-    let command = command(&argv);
-    let matches = command.try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
-    let typed = Typed(&matches);
-    for (flag, text) in [("h", help::screen as fn() -> String), ("help", help::page), ("version", help::version)] {
-        if typed.has(flag) {
+    for (flag, text) in
+        [("--h", help::screen as fn() -> String), ("--help", help::page), ("--version", help::version)]
+    {
+        // Beside flags whose values are missing, too.
+        if argv.iter().any(|word| word == flag) {
             return Ok(Request::Print(text()));
         }
     }
+    let command = command(&argv);
+    let matches = command.try_get_matches_from(argv).map_err(|error| Error::Usage(explained(&error)))?;
+    let typed = Typed(&matches);
     if typed.has("compare") {
         return compare_options(&typed).map(Request::Compare);
     }

@@ -132,6 +132,14 @@ fn help_names_every_flag() {
 }
 
 #[test]
+fn help_is_shown_beside_flags_without_their_values() {
+    let Ok(Request::Print(screen)) = parsed("-h") else { panic!() };
+    for line in ["-merge -h", "-compare -h", "s.txt -size 3 -h", "-h -output"] {
+        assert!(matches!(parsed(line), Ok(Request::Print(text)) if text == screen), "{line}");
+    }
+}
+
+#[test]
 fn help_fits_a_terminal() {
     for help in ["-h", "-help"] {
         let Ok(Request::Print(text)) = parsed(help) else { panic!() };
