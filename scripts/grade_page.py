@@ -51,9 +51,7 @@ def figures(row):
 
 def cost(row):
     """Returns wall seconds, processor seconds and megabytes of a run, as texts."""
-    if row.run is None:
-        return ["", "", ""]
-    return [f"{row.run.seconds:.2f}", f"{row.run.cpu_seconds:.2f}", f"{row.run.megabytes:.0f}"]
+    return row.run.costs() if row.run else ["", "", ""]
 
 
 def notes(row):

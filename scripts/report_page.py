@@ -78,7 +78,7 @@ def summary(scenes):
         complete = len(reports) == len(scene.pictures)
         over = [max(each["pixels_over_levels"][levels] for each in reports) if complete else "?" for levels in "018"]
         run = scene.run
-        cells = [run.status, *over, f"{run.seconds:.2f}", f"{run.cpu_seconds:.2f}", f"{run.megabytes:.0f}"]
+        cells = [run.status, *over, *run.costs()]
         link = f'<td><a href="#s{number}">{escaped(scene.title)}</a></td>'
         rows.append("<tr>" + link + "".join(f'<td class="number">{escaped(cell)}</td>' for cell in cells) + "</tr>\n")
     over = ["pixels that differ", "by more than 1 level", "by more than 8"]
@@ -135,11 +135,11 @@ def smooth_figure(smooth, edge, size):
 def section(number, scene, size):
     """Returns all about a scene."""
     run = scene.run
+    seconds, cpu_seconds, megabytes = run.costs()
     ending = f"{run.status}{' ' + run.detail if run.detail else ''}" + (f": {run.messages}" if run.messages else "")
     parts = [
         f'<h2 id="s{number}">{escaped(scene.title)}</h2>\n<p><code>{escaped(scene.command)}</code></p>\n',
-        f"<p>{escaped(ending)}, {run.seconds:.2f} s ({run.cpu_seconds:.2f} s of all processors), ",
-        f"{run.megabytes:.0f} MB.</p>\n",
+        f"<p>{escaped(ending)}, {seconds} s ({cpu_seconds or 'unknown'} s of all processors), {megabytes or 'unknown'} MB.</p>\n",
         '<div class="three">\n' + "".join(slider(picture) for picture in scene.pictures) + "</div>\n",
         f"<h3>Anti-aliasing</h3>\n<p>At {size} x {size} pixels; below, the edge that it changes most, ",
         f"{ZOOM} times as large.</p>\n",

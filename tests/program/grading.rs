@@ -127,6 +127,23 @@ fn a_submission_that_hangs_is_ended_with_all_its_processes() {
     assert!(has_ended(&std::fs::read_to_string(child).unwrap()));
 }
 
+/// The memory of a run is that of the program: the grader itself takes more than the small one.
+#[test]
+fn the_memory_of_a_program_is_its_own() {
+    let folder = Folder::new();
+    write_submission(&folder, "small", "kill -SEGV $$");
+    write_submission(&folder, "large", "exec python3 -c 'bytearray(100 << 20)'");
+    write_submission(&folder, "deaf", "trap '' TERM; while :; do :; done");
+    let (_, found) = grade(&folder, &["small", "large", "deaf", "--scenes", "01", "--time-limit", "5"]);
+    assert_eq!([&found[0], &found[1], &found[2]].map(statuses), [["crashed"], ["missing"], ["timed out"]]);
+    let megabytes = |index: usize| &found[index]["scenes"][0]["run"]["megabytes"];
+    let [small, large] = [0, 1].map(|index| megabytes(index).as_f64().unwrap());
+    assert!((0.1..6.0).contains(&small), "{small}");
+    assert!((100.0..130.0).contains(&large), "{large}");
+    // What had to be killed has not been measured.
+    assert!(megabytes(2).is_null());
+}
+
 /// Whether a process is gone, or dead and not yet buried.
 #[cfg(target_os = "linux")]
 fn has_ended(process: &str) -> bool {
