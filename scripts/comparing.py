@@ -1,8 +1,9 @@
-"""Compares pictures by `a2 -compare`."""
+"""Renders and compares pictures by the a2 that judges."""
 
 import json
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -12,6 +13,14 @@ import batch
 def judge():
     """Returns the a2 that compares: that of the environment's A2_JUDGE, or else one that is built here."""
     return Path(os.environ.get("A2_JUDGE") or batch.built_program()).resolve()
+
+
+def render(command):
+    """Runs a command of a2 in silence: what it warns of is no matter of the submission. What it says of a failure is shown."""
+    done = subprocess.run([*command, "-quiet"], stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        print(done.stderr, end="", file=sys.stderr)
+    done.check_returncode()
 
 
 def compare(a2, picture, reference, panel=None):

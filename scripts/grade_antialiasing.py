@@ -2,7 +2,8 @@
 
 import math
 import re
-import subprocess
+
+import comparing
 
 # The scene that shows anti-aliasing, its flags, and the name of its picture.
 SCENE = "01"
@@ -61,7 +62,7 @@ class Antialiasing:
         return [str(program), "-input", str(scene), "-size", size, size, "-output", str(path)]
 
     def render(self, a2, scene, flags, path):
-        subprocess.run([*self.command(a2, scene, path), *flags, "-quiet"], check=True)
+        comparing.render([*self.command(a2, scene, path), *flags])
         return path
 
     def error(self, path):

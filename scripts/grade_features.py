@@ -3,9 +3,10 @@
 import dataclasses
 import itertools
 import re
-import subprocess
 import threading
 from pathlib import Path
+
+import comparing
 
 # With this shininess no highlight is larger than a point. (A specular colour of 0 would take the mirrors away, too.)
 NO_HIGHLIGHT = "shininess 1000000000"
@@ -115,8 +116,7 @@ class Variants:
         text = re.sub(rf"\bobj_file\s+{FILE}", lambda found: f'obj_file "{self.mesh(found[1], split, folder)}"', text)
         (folder / f"{scene.name}.txt").write_text(text)
         changed = dataclasses.replace(scene, flags=flags)
-        command = changed.command(self.a2, folder, self.size, folder)
-        subprocess.run([*command, "-quiet"], check=True)
+        comparing.render(changed.command(self.a2, folder, self.size, folder))
         return folder
 
     def path(self, name):

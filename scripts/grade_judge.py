@@ -1,7 +1,6 @@
 """Judges what a submission renders: picture by picture, against the references, by `a2 -compare`."""
 
 import struct
-import subprocess
 import tempfile
 import threading
 from dataclasses import dataclass, field
@@ -110,7 +109,7 @@ class Grader:
         if missing:
             raise CannotGrade(f"the reference {missing[0]} is missing")
         if any(png_size(path) != (self.size, self.size) for path in given):
-            subprocess.run([*scene.command(self.a2, self.data, self.size, self.work), "-quiet"], check=True)
+            comparing.render(scene.command(self.a2, self.data, self.size, self.work))
             given = [self.work / name for name in scene.pictures]
             self.rendered.append(scene.number)
         for path in given:
