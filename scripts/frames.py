@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Renders frames and joins them to an animated PNG (APNG), which browsers play.
 
-  frames.sh OUT.png SCENE.txt SCENE.txt ... [-- FLAGS]          a frame for each scene file
-  frames.sh OUT.png -turntable FRAMES SCENE.txt [-- FLAGS]      the camera goes once around the vertical axis
+  frames.sh OUT.png SCENE.txt SCENE.txt ... [FLAGS]          a frame for each scene file
+  frames.sh OUT.png -turntable FRAMES SCENE.txt [FLAGS]      the camera goes once around the vertical axis
 
-FLAGS are those of a2; without any, -size 300 300. The frames lie in OUT.png.frames; those that are done are not rendered
-again, so the same command goes on where another one ended. RATE is the number of frames a second [default: 20], PIVOT
-the point on the axis [default: "0 0 0"]. As an example, a turn of the mirror bunny:
+FLAGS are those of a2, and begin at the first word with a dash after the scenes; without any, -size 300 300. The frames lie
+in OUT.png.frames; those that are done are not rendered again, so the same command goes on where another one ended.
+Environment: A2 (the program), RATE (frames a second [default: 20]), PIVOT (a point on the axis [default: "0 0 0"]). Exit
+code: 1 if a frame cannot be rendered, 2 if the command is wrong. As an example, a turn of the mirror bunny:
 
-  scripts/frames.sh turn.png -turntable 60 data/scene06_bunny_1k.txt -- -size 300 300 -bounces 4 -jitter
+  scripts/frames.sh turn.png -turntable 60 data/scene06_bunny_1k.txt -size 300 300 -bounces 4 -jitter
 """
 
 import math
@@ -20,6 +21,7 @@ import sys
 import zlib
 from pathlib import Path
 
+USAGE = "\n".join(line for line in __doc__.splitlines() if line.startswith("  frames.sh"))
 NUMBER = r"[-+.\deE]+"
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -39,7 +41,7 @@ def turntable(scene, frames, folder, pivot):
     text = re.sub(name, lambda m: f'{m[1]} "{scene.resolve().parent / m[2].strip(chr(34))}"', text)
     camera = re.search(r"PerspectiveCamera\s*\{[^}]*\}", text)
     if not camera:
-        sys.exit(f"{scene}: there is no PerspectiveCamera")
+        raise WrongUse(f"{scene}: there is no PerspectiveCamera")
     paths = []
     for frame in range(frames):
         angle = 2 * math.pi * frame / frames
@@ -73,7 +75,7 @@ def animated(paths, rate):
 
     heads = [dict(chunks(path))[b"IHDR"] for path in paths]
     if len(set(heads)) != 1:
-        sys.exit("the frames have different sizes")
+        sys.exit("error: the frames have different sizes")
     joined = [SIGNATURE, chunk(b"IHDR", heads[0]), chunk(b"acTL", struct.pack(">II", len(paths), 0))]
     number = 0
     for index, path in enumerate(paths):
@@ -88,30 +90,87 @@ def animated(paths, rate):
     return b"".join(joined) + chunk(b"IEND", b"")
 
 
-def main():
-    words = sys.argv[1:]
-    flags = words[words.index("--") + 1:] if "--" in words else ["-size", "300", "300"]
-    words = words[:words.index("--")] if "--" in words else words
-    if len(words) < 2 or (words[1] == "-turntable" and len(words) != 4):
-        sys.exit(__doc__)
-    out = Path(words[0])
+class WrongUse(Exception):
+    """The command, a variable or a scene does not say what to render."""
+
+
+def whole_number(name, text):
+    """Returns the number in a text, which must fit into a PNG's field of 16 bits; name says where it stands."""
+    if not text.isdecimal() or not 1 <= int(text) < 1 << 16:
+        raise WrongUse(f"{name} is '{text}', not a whole number from 1 to 65535")
+    return int(text)
+
+
+def point(name, text):
+    """Returns the three numbers in a text."""
+    try:
+        x, y, z = map(float, text.split())
+    except ValueError:
+        raise WrongUse(f"{name} is '{text}', not three numbers") from None
+    return [x, y, z]
+
+
+def parsed(words):
+    """Returns the file to write, the number of frames of a turntable (or none), the scenes and the flags."""
+    if not words or words[0].startswith("-"):
+        raise WrongUse("the first word must be the file to write")
+    out, *words = words
+    frames = None
+    if words[:1] == ["-turntable"]:
+        frames = whole_number("FRAMES", "".join(words[1:2]))
+        words = words[2:]
+    count = next((at for at, word in enumerate(words) if word.startswith("-")), len(words))
+    scenes, flags = [Path(word) for word in words[:count]], words[count:]
+    if not scenes or (frames and len(scenes) > 1):
+        raise WrongUse("-turntable needs one scene" if frames else "there is no scene")
+    for scene in scenes:
+        if not scene.is_file():
+            raise WrongUse(f"there is no scene '{scene}'")
+    return Path(out), frames, scenes, flags or ["-size", "300", "300"]
+
+
+def show_progress(text):
+    """Writes a line over the one before on a terminal, below it elsewhere."""
+    is_terminal = sys.stderr.isatty()
+    print(f"\r{text}" if is_terminal else text, end="" if is_terminal else "\n", file=sys.stderr, flush=True)
+
+
+def render(out, frames, scenes, flags):
+    """Renders the frames that are not there, and joins all."""
+    rate = whole_number("RATE", os.environ.get("RATE", "20"))
+    pivot = point("PIVOT", os.environ.get("PIVOT", "0 0 0"))
     folder = Path(f"{out}.frames")
     folder.mkdir(parents=True, exist_ok=True)
-    if words[1] == "-turntable":
-        pivot = [float(number) for number in os.environ.get("PIVOT", "0 0 0").split()]
-        scenes = turntable(Path(words[3]), int(words[2]), folder, pivot)
-    else:
-        scenes = [Path(word) for word in words[1:]]
+    if frames:
+        scenes = turntable(scenes[0], frames, folder, pivot)
     pictures = []
     for frame, scene in enumerate(scenes, 1):
         pictures.append(folder / f"{frame:05}.png")
         command = [os.environ.get("A2", "a2"), "-input", scene, "-output", pictures[-1], "-skip-done", "-quiet", *flags]
         if subprocess.run([str(word) for word in command]).returncode != 0:
-            sys.exit(f"frame {frame} is not rendered: {scene}")
-        print(f"\r{frame} of {len(scenes)} frames", end="", file=sys.stderr, flush=True)
-    out.write_bytes(animated(pictures, int(os.environ.get("RATE", "20"))))
-    print(f"\r{out}: {len(pictures)} frames", file=sys.stderr)
+            sys.exit(f"error: frame {frame} is not rendered: {scene}")
+        show_progress(f"{frame} of {len(scenes)} frames")
+    out.write_bytes(animated(pictures, rate))
+    show_progress(f"{out}: {len(pictures)} frames")
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+
+
+def main():
+    words = sys.argv[1:]
+    if words[:1] in (["-h"], ["-help"], ["--help"]):
+        print(__doc__.strip())
+        return 0
+    try:
+        render(*parsed(words))
+    except WrongUse as wrong:
+        print(f"error: {wrong}\n{USAGE}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

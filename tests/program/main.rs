@@ -8,6 +8,8 @@ mod cost;
 mod depths;
 mod extending;
 mod faults;
+#[cfg(unix)]
+mod frames;
 mod fuzz_seeds;
 mod gallery;
 #[cfg(unix)]
