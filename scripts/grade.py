@@ -9,6 +9,7 @@ here). Exit code: 0 if every submission has full credit, otherwise 1; 2 if nothi
 """
 
 import argparse
+import contextlib
 import os
 import signal
 import subprocess
@@ -25,6 +26,7 @@ import grade_page  # noqa: E402
 import grade_run  # noqa: E402
 
 ANTIALIASING = "aa"
+STANDARD_OUTPUT = Path("-")
 
 
 def parsed_arguments():
@@ -45,7 +47,8 @@ def parsed_arguments():
     parser.add_argument("--exact", action="store_true", help="not one pixel may differ by one level")
     parser.add_argument("--pictures", action="store_true", help="print a line for each picture, not for each scene")
     for kind in ("json", "csv", "html"):
-        parser.add_argument(f"--{kind}", metavar="FILE", type=Path, help=f"write the results as {kind.upper()}")
+        parser.add_argument(f"--{kind}", metavar="FILE", type=Path,
+                            help=f"write the results as {kind.upper()}; - is standard output, without the table")
     arguments = parser.parse_args()
     if os.name != "posix":
         parser.error("limits of time and memory need Linux or macOS")
@@ -58,8 +61,11 @@ def parsed_arguments():
     for folder in (arguments.starter / "data", arguments.starter / "sample_out"):
         if not folder.is_dir():
             parser.error(f"there is no folder {folder}")
-    for path in (arguments.json, arguments.csv, arguments.html):
-        if path and not path.resolve().parent.is_dir():
+    files = [path for path in (arguments.json, arguments.csv, arguments.html) if path]
+    if files.count(STANDARD_OUTPUT) > 1:
+        parser.error("only one kind of results can be written to standard output")
+    for path in files:
+        if not path.resolve().parent.is_dir():
             parser.error(f"there is no folder for '{path}'")
     for submission in arguments.submissions:
         if not submission.exists():
@@ -107,6 +113,11 @@ def graded(grader, submissions, arguments):
     return [results[at : at + count] for at in range(0, len(results), count)]
 
 
+def opened(path):
+    """Opens a file to write; it is closed by `with`, unless it is standard output."""
+    return contextlib.nullcontext(sys.stdout) if path == STANDARD_OUTPUT else open(path, "w", encoding="utf-8")
+
+
 def grade(arguments):
     """Grades, prints and writes all. Returns whether every submission has full credit."""
     judge = comparing.judge()
@@ -119,13 +130,17 @@ def grade(arguments):
             grade_page.Submission(name, path, rows)
             for name, path, rows in zip(short_names(submissions), submissions, results)
         ]
-        print(grade_page.picture_table(found) if arguments.pictures else grade_page.table(found))
+        if STANDARD_OUTPUT not in (arguments.json, arguments.csv, arguments.html):
+            print(grade_page.picture_table(found) if arguments.pictures else grade_page.table(found))
         if arguments.json:
-            arguments.json.write_text(grade_page.json_text(found, grader), encoding="utf-8")
+            with opened(arguments.json) as file:
+                file.write(grade_page.json_text(found, grader))
         if arguments.csv:
-            arguments.csv.write_text(grade_page.csv_text(found), encoding="utf-8")
+            with opened(arguments.csv) as file:
+                file.write(grade_page.csv_text(found))
         if arguments.html:
-            grade_page.write_html(arguments.html, found, grader)
+            with opened(arguments.html) as file:
+                grade_page.write_html(file, found, grader)
     return all(row.status == "ok" for submission in found for row in submission.rows)
 
 

@@ -154,15 +154,14 @@ def csv_text(submissions):
     return text.getvalue()
 
 
-def write_html(path, submissions, grader):
+def write_html(page, submissions, grader):
     """Writes one page that needs nothing else: a table, and for each submission the pictures that differ."""
-    with open(path, "w", encoding="utf-8") as page:
-        page.write('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>Grading</title>\n')
-        page.write(f"<style>{STYLE}</style>\n</head>\n<body>\n<h1>Grading</h1>\n{explanation(grader)}")
-        page.write(html_summary(submissions))
-        for number, submission in enumerate(submissions):
-            write_section(page, number, submission, is_open=len(submissions) == 1)
-        page.write("</body>\n</html>\n")
+    page.write('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>Grading</title>\n')
+    page.write(f"<style>{STYLE}</style>\n</head>\n<body>\n<h1>Grading</h1>\n{explanation(grader)}")
+    page.write(html_summary(submissions))
+    for number, submission in enumerate(submissions):
+        write_section(page, number, submission, is_open=len(submissions) == 1)
+    page.write("</body>\n</html>\n")
 
 
 def explanation(grader):

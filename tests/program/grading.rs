@@ -144,6 +144,29 @@ fn the_memory_of_a_program_is_its_own() {
     assert!(megabytes(2).is_null());
 }
 
+#[test]
+fn results_on_standard_output_stand_alone() {
+    let folder = Folder::new();
+    write_submission(&folder, "nothing", "exit 0");
+    let printed = |flags: &str| {
+        let words: Vec<&str> = flags.split(' ').collect();
+        python(
+            &folder,
+            "scripts/grade.py",
+            &[&["nothing", "--scenes", "03,01", "--size", "40"], &words[..]].concat(),
+        )
+    };
+    let json: Value = serde_json::from_str(&printed("--json -").stdout).unwrap();
+    assert_eq!(statuses(&json["submissions"][0]), ["missing"; 2]);
+    let csv = printed("--csv - --pictures").stdout;
+    let rows: Vec<&str> = csv.lines().map(|line| line.split(',').nth(1).unwrap()).collect();
+    assert_eq!(rows, ["scene", "03", "01"], "{csv}");
+    let both = printed("--json - --csv -");
+    assert_eq!((both.exit_code, both.stdout.as_str()), (2, ""));
+    assert!(both.stderr.contains("only one kind of results"), "{}", both.stderr);
+    assert_eq!(folder.files(), ["nothing"]);
+}
+
 /// Whether a process is gone, or dead and not yet buried.
 #[cfg(target_os = "linux")]
 fn has_ended(process: &str) -> bool {
