@@ -91,9 +91,9 @@ fn elements(xml: &str) -> Vec<&str> {
 #[test]
 fn convergence_is_a_figure_of_all_samplers() {
     let folder = Folder::new();
-    folder.write("a <&\" b.txt", SCENE);
+    folder.write("in/a <&\" b.txt", SCENE);
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_a2"));
-    command.args(["-input", "a <&\" b.txt"]);
+    command.args(["-input", "in/a <&\" b.txt"]);
     let run = folder.run(command.args("-size 30 30 -output o.png -convergence c.svg -samples 8".split(' ')));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     let lines: Vec<&str> = run.stderr.lines().collect();
@@ -106,7 +106,7 @@ fn convergence_is_a_figure_of_all_samplers() {
     for name in ["independent", "stratified", "sobol", "adaptive"] {
         assert!(svg.contains(&format!(">{name}: slope ")), "{name}");
     }
-    for words in lines.into_iter().chain(["a &lt;&amp;&quot; b.txt, 30 x 30", "slope −1/2"]) {
+    for words in lines.into_iter().chain([">a &lt;&amp;&quot; b.txt, 30 x 30", "slope −1/2"]) {
         assert!(svg.contains(words), "{words}");
     }
     // The picture is the one that is asked for without the curves.

@@ -7,6 +7,7 @@ use super::table::csv;
 use super::words::sentences;
 use super::{Convergence, Method, Point};
 use crate::options::{Options, SamplerKind};
+use std::borrow::Cow;
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 560.0;
@@ -42,13 +43,18 @@ const AGAINST: [Against; 2] = [
     },
 ];
 
+/// Returns the name of the scene's file: the folder is no matter of the curve.
+pub fn scene_name(options: &Options) -> Cow<'_, str> {
+    options.input.file_name().unwrap_or_default().to_string_lossy()
+}
+
 /// Returns the figure of all curves. It holds their table, too, as metadata.
 pub fn svg(options: &Options, convergence: &Convergence) -> String {
     let mut drawing = Drawing::new(WIDTH, HEIGHT);
     drawing.data(&csv(&convergence.points));
     let Options { width, height, .. } = options;
     let filter = if options.filter { ", -filter" } else { "" };
-    let title = format!("{}, {width} x {height}{filter}", options.input.display());
+    let title = format!("{}, {width} x {height}{filter}", scene_name(options));
     drawing.words((WIDTH / 2.0, 22.0), "middle", " font-size=\"16\"", &title);
     for (line, y) in sentences(options, convergence).lines().zip([42.0, 58.0, 74.0]) {
         drawing.words((WIDTH / 2.0, y), "middle", "", line);

@@ -22,7 +22,7 @@ th:first-child, td:first-child { text-align: left }";
 /// # Errors
 /// That of encoding a picture, which has no other cause than memory.
 pub fn html(options: &Options, frame: &Frame, curves: &Convergence) -> io::Result<String> {
-    let title = escaped(&format!("Error against cost: {}", options.input.display()));
+    let title = escaped(&format!("Error against cost: {}", figure::scene_name(options)));
     let film = &frame.film;
     let picture = |plane: &Option<Vec<u8>>, caption: &str| match plane {
         Some(bytes) => {
