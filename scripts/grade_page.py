@@ -8,13 +8,22 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+# A panel of three pictures is shown pixel for pixel, so that its letters can be read, and scrolls in a box of its own.
+PANEL_STYLE = """
+.panel { overflow-x: auto; }
+.panel img { display: block; max-width: none; image-rendering: pixelated; }
+:has(#whole:checked) .panel img { max-width: 100%; }
+"""
+PANEL_CHOICE = (
+    '<p><label><input type="checkbox" id="whole"> Shrink differences to the width of the page. (Otherwise every pixel is '
+    "shown, and they scroll.)</label></p>\n"
+)
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 1500px; padding: 0 1em; color: #222; }
-table { border-collapse: collapse; margin: 1em 0; }
+table { border-collapse: collapse; margin: 1em 0; display: block; overflow-x: auto; }
 th, td { border: 1px solid #ccc; padding: .25em .6em; text-align: left; vertical-align: top; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; } td.notes { min-width: 14em; }
 .ok { background: #dff3df; } .differs { background: #fdecc8; } .bad { background: #f8d4d4; }
-img { max-width: 100%; image-rendering: pixelated; display: block; }
 figure { margin: 1em 0; } figcaption { font-size: 90%; }
 summary { cursor: pointer; font-size: 120%; margin: .6em 0; }
 """
@@ -156,9 +165,10 @@ def csv_text(submissions):
 
 def write_html(page, submissions, grader):
     """Writes one page that needs nothing else: a table, and for each submission the pictures that differ."""
-    page.write('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>Grading</title>\n')
-    page.write(f"<style>{STYLE}</style>\n</head>\n<body>\n<h1>Grading</h1>\n{explanation(grader)}")
-    page.write(html_summary(submissions))
+    page.write('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+               '<meta name="viewport" content="width=device-width">\n<title>Grading</title>\n')
+    page.write(f"<style>{STYLE}{PANEL_STYLE}</style>\n</head>\n<body>\n<h1>Grading</h1>\n{explanation(grader)}")
+    page.write(html_summary(submissions) + PANEL_CHOICE)
     for number, submission in enumerate(submissions):
         write_section(page, number, submission, is_open=len(submissions) == 1)
     page.write("</body>\n</html>\n")
@@ -178,6 +188,13 @@ def explanation(grader):
 
 def escaped(text):
     return html.escape(str(text))
+
+
+def panel(path, alt):
+    """Returns a panel of pictures in a box that scrolls, also by keys."""
+    data = base64.b64encode(path.read_bytes()).decode()
+    image = f'<img loading="lazy" alt="{escaped(alt)}" src="data:image/png;base64,{data}">'
+    return f'<div class="panel" tabindex="0">{image}</div>'
 
 
 def cell(status):
@@ -207,7 +224,8 @@ def write_section(page, number, submission, is_open):
         over, _, far, _ = figures(row)
         seconds, _, megabytes = cost(row)
         numbers = "".join(f'<td class="number">{value}</td>' for value in (over, far, seconds, megabytes, f"{row.credit:.1f}"))
-        page.write(f"<tr><td>{escaped(row.scene)}</td>{cell(row.status)}{numbers}<td>{escaped(notes(row))}</td></tr>\n")
+        page.write(f"<tr><td>{escaped(row.scene)}</td>{cell(row.status)}{numbers}")
+        page.write(f'<td class="notes">{escaped(notes(row))}</td></tr>\n')
     page.write("</table>\n")
     for row in submission.rows:
         for picture in row.pictures:
@@ -218,10 +236,9 @@ def write_section(page, number, submission, is_open):
 
 def write_figure(page, picture):
     worst = picture.report["worst_pixel"]
-    data = base64.b64encode(picture.panel.read_bytes()).decode()
     caption = (
         f"{picture.name}: {picture.report['pixels_over_levels']['0']} pixels differ; the worst, at x {worst['x']}, "
         f"y {worst['y']} (from the upper left), is {worst['a']} and should be {worst['b']}"
     )
-    page.write(f'<figure><img loading="lazy" alt="{escaped(picture.name)}: submission, reference, difference" ')
-    page.write(f'src="data:image/png;base64,{data}"><figcaption>{escaped(caption)}</figcaption></figure>\n')
+    shown = panel(picture.panel, f"{picture.name}: submission, reference, difference")
+    page.write(f"<figure>{shown}<figcaption>{escaped(caption)}</figcaption></figure>\n")

@@ -1,7 +1,8 @@
 """Writes the HTML of scripts/report.py: one page with everything in it."""
 
 import base64
-import html
+
+from grade_page import PANEL_CHOICE, PANEL_STYLE, escaped, panel
 
 # The policy forbids the page every request: pictures are data URLs, style and script stand in the page.
 HEAD = """<!DOCTYPE html>
@@ -15,12 +16,12 @@ HEAD = """<!DOCTYPE html>
 <style>
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 1560px; padding: 0 1em; color: #222; }
 h2 { margin-top: 2.5em; border-top: 1px solid #ccc; padding-top: .8em; }
-table { border-collapse: collapse; margin: 1em 0; }
+table { border-collapse: collapse; margin: 1em 0; display: block; overflow-x: auto; }
 th, td { border: 1px solid #ccc; padding: .25em .6em; text-align: left; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
 code { background: #f2f2f2; padding: .15em .35em; overflow-wrap: anywhere; }
 figure { margin: 0; min-width: 0; } figcaption { font-size: 90%; margin: .3em 0 1em; }
-.three { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: 16px; }
+.three { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 260px), 1fr)); gap: 16px; }
 .four { display: grid; grid-template-columns: repeat(auto-fit, minmax(200px, 1fr)); gap: 16px; }
 img { display: block; max-width: 100%; }
 .slider { position: relative; --at: 50%; }
@@ -32,15 +33,14 @@ img { display: block; max-width: 100%; }
 .slider.difference { filter: brightness(16); }
 .slider.difference .program { clip-path: none; mix-blend-mode: difference; }
 .slider.difference .line { display: none; }
-.panel { width: 100%; image-rendering: pixelated; }
-.whole { width: 200px; }
+PANEL_STYLE.whole { width: 200px; }
 .edge { width: 200px; height: 200px; overflow: hidden; position: relative; margin-top: 8px; }
 .edge img { position: absolute; max-width: none; image-rendering: pixelated; }
 .curve { max-width: 900px; width: 100%; }
 </style>
 </head>
 <body>
-"""
+""".replace("PANEL_STYLE", PANEL_STYLE.strip("\n"))
 SCRIPT = """<script>
 for (const slider of document.querySelectorAll(".slider")) {
   const input = slider.querySelector("input");
@@ -55,10 +55,6 @@ for (const slider of document.querySelectorAll(".slider")) {
 # How often a pixel of an edge is magnified, and how wide the cut-out is on the page.
 ZOOM = 10
 CUT = 200
-
-
-def escaped(text):
-    return html.escape(str(text))
 
 
 def data_url(path):
@@ -87,7 +83,7 @@ def summary(scenes):
 
 
 def slider(picture):
-    """Returns a picture over its reference, the difference and a caption."""
+    """Returns a picture over its reference, and a caption."""
     name = escaped(picture.name)
     if not picture.path.is_file():
         return f"<figure><figcaption>{name}: {escaped(picture.message)}</figcaption></figure>\n"
@@ -97,14 +93,9 @@ def slider(picture):
     over = picture.report["pixels_over_levels"]
     pixels = picture.report["width"] * picture.report["height"]
     caption = f"{name}: left of the line the program, right of it the reference. "
-    difference = ""
     if over["0"]:
         worst = picture.report["worst_levels"]
         caption += f"{over['0']} of {pixels} pixels differ, {over['8']} by more than 8 levels; the worst by {worst}."
-        difference = (
-            f'<img class="panel" alt="program, reference and difference of {name}" src="{data_url(picture.panel)}">'
-            "<figcaption>program, reference, difference</figcaption>"
-        )
     else:
         caption += "No pixel differs."
     return (
@@ -112,8 +103,17 @@ def slider(picture):
         f'<img class="program" alt="{name}" src="{data_url(picture.path)}"><div class="line"></div>'
         f'<input type="range" min="0" max="100" step="0.1" value="50" aria-label="{name}: program or reference"></div>'
         f'<figcaption>{caption} <label><input type="checkbox"> difference, 16 times as bright</label></figcaption>'
-        f"{difference}</figure>\n"
+        "</figure>\n"
     )
+
+
+def differences(picture):
+    """Returns a picture, its reference and their differences side by side, if they differ."""
+    if not picture.report or not picture.report["pixels_over_levels"]["0"]:
+        return ""
+    shown = panel(picture.panel, f"program, reference and difference of {picture.name}")
+    caption = f"{escaped(picture.name)}: program (A), reference (B) and their difference in levels"
+    return f"<figure>{shown}<figcaption>{caption}</figcaption></figure>\n"
 
 
 def smooth_figure(smooth, edge, size):
@@ -140,7 +140,8 @@ def section(number, scene, size):
     parts = [
         f'<h2 id="s{number}">{escaped(scene.title)}</h2>\n<p><code>{escaped(scene.command)}</code></p>\n',
         f"<p>{escaped(ending)}, {seconds} s ({cpu_seconds or 'unknown'} s of all processors), {megabytes or 'unknown'} MB.</p>\n",
-        '<div class="three">\n' + "".join(slider(picture) for picture in scene.pictures) + "</div>\n",
+        '<div class="three">\n' + "".join(map(slider, scene.pictures)) + "</div>\n",
+        *map(differences, scene.pictures),
         f"<h3>Anti-aliasing</h3>\n<p>At {size} x {size} pixels; below, the edge that it changes most, ",
         f"{ZOOM} times as large.</p>\n",
         '<div class="four">\n' + "".join(smooth_figure(each, scene.edge, size) for each in scene.smooth) + "</div>\n",
@@ -163,6 +164,7 @@ def page(scenes, versions, size):
         "<p>Figures of a scene are those of its worst picture. A level is a step of a colour from 0 to 255. Seconds are those "
         "of the clock for the whole program, which renders all three pictures in one run. Move the line in a picture to "
         "compare.</p>\n",
+        PANEL_CHOICE,
         summary(scenes),
         *(section(number, scene, size) for number, scene in enumerate(scenes)),
         SCRIPT,

@@ -109,6 +109,8 @@ fn broken_submissions_get_their_rows() {
     let panels = page.matches("<img ").count();
     assert_eq!(page.matches("data:image/png;base64,").count(), panels);
     assert_eq!(panels, 1 + 22, "{}", run.stdout);
+    assert_eq!(page.matches("<div class=\"panel\" tabindex=\"0\"><img ").count(), panels);
+    assert!(page.contains(".panel { overflow-x: auto; }"));
     assert!(!page.contains("http"), "the page asks for something");
 }
 
