@@ -6,7 +6,8 @@ Usage: scripts/report.py OUT.html [PROGRAM] [--starter FOLDER]
 PROGRAM takes the course's flags; without it, a2 is built and reported. a2 also compares the pictures. The page shows each
 scene of the course's batch (data/batch.txt) with colour, normal and depth picture, a slider against the reference, the
 differences, what anti-aliasing does, the error-against-time curve if PROGRAM knows -convergence, time, memory and
-commands. It needs no other file and asks no server for anything.
+commands. It needs no other file and asks no server for anything. Exit code: 1 if the program failed on a scene of the batch
+(it crashed, say); the page is written all the same.
 """
 
 import argparse
@@ -178,6 +179,10 @@ def main():
         page = report_page.page(scenes, versions(program, judge, reporter.samples), arguments.size // SHRINK_SMOOTH)
     arguments.out.write_text(page, encoding="utf-8")
     print(f"wrote {arguments.out}, {len(page) / 1e6:.1f} MB")
+    failed = [scene for scene in scenes if scene.run.status != "finished"]
+    for scene in failed:
+        print(f"{scene.title}: the program {scene.run.status}, {scene.run.detail}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":
