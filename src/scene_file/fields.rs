@@ -87,14 +87,11 @@ impl<'a> Fields<'a> {
 
     /// Returns the next token of the innermost block.
     pub fn next_in_block(&mut self) -> Result<Token<'a>, Error> {
-        self.next(|fields| {
-            let block = fields.open.last().map_or(String::new(), |block| fields.named(*block));
-            format!("'}}' to end {block}")
-        })
+        self.next(|fields| fields.missing_brace(fields.source.text.len()))
     }
 
     /// Returns a block as messages name it.
-    fn named(&self, block: Token) -> String {
+    pub fn named(&self, block: Token) -> String {
         format!("the '{}' of line {}", block.text, self.line(block.span))
     }
 
@@ -104,6 +101,7 @@ impl<'a> Fields<'a> {
         let error = self.error(self.lexer.end(), format!("expected {expected}, found the end of the file"));
         match self.open.as_slice() {
             [] | [_] => error,
+            open if self.unended(self.source.text.len()).as_ref() != open.last() => error,
             open => {
                 let open: Vec<String> = open.iter().map(|block| self.named(*block)).collect();
                 error.with_note(format!("these blocks have no '}}': {}", open.join(", ")))

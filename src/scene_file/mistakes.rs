@@ -108,7 +108,6 @@ impl<'a> Fields<'a> {
     /// Returns whether the innermost block ends before a word that stands in one around it, because its brace is missing,
     /// or with a character that looks like one. That mistake is then noted, and the word is read again.
     pub fn ends_before(&mut self, token: Token<'a>, is_known: &dyn Fn(&str) -> bool) -> Result<bool, Error> {
-        let Some(&block) = self.open.last() else { return Ok(false) };
         if let (Some(error), "}") = (self.foreign(token), in_ascii(token.text).as_str()) {
             self.note(error)?;
             return Ok(true);
@@ -117,12 +116,7 @@ impl<'a> Fields<'a> {
             return Ok(false);
         }
         self.lexer.put_back(token);
-        let message = format!(
-            "expected '}}' to end the '{}' of line {}, found '{}'",
-            block.text,
-            self.line(block.span),
-            token.text
-        );
+        let message = format!("expected {}, found '{}'", self.missing_brace(token.span.start), token.text);
         self.note(self.error(token.span, message))?;
         Ok(true)
     }

@@ -6,6 +6,7 @@ mod blocks;
 mod description;
 mod fields;
 mod file;
+mod indentation;
 mod lexer;
 mod lights;
 mod mistakes;

@@ -262,11 +262,13 @@ impl<'a> Parser<'a> {
     /// Makes the error for what stands behind the object of a transform. Where that is another object, either a brace is
     /// missing before it, or a group around both: what follows means something else in each case.
     fn after_object(&mut self, name: Token<'a>, token: Token<'a>) -> Error {
-        let line = self.fields.line(name.span);
-        let message = format!(
-            "expected '}}' after the object of the 'Transform' of line {line}, found '{}'",
-            cut_short(token.text)
-        );
+        let (at, found) = (token.span.start, cut_short(token.text));
+        if self.fields.unended(at) != Some(name) || self.fields.is_outside(at, name) {
+            let message = format!("expected {}, found '{found}'", self.fields.missing_brace(at));
+            let error = self.fields.error(token.span, message);
+            return self.fields.lost(error);
+        }
+        let message = format!("expected '}}' after the object of {}, found '{found}'", self.fields.named(name));
         let note = "a transform holds its transformations, then one object; put several objects into a 'Group'";
         let error = self.fields.error(token.span, message).with_note(note);
         if STEP_NAMES.contains(&token.text) { error } else { self.fields.lost(error) }

@@ -1,6 +1,7 @@
 //! Tests of the program: the command line, mistakes in scenes, what the plan leaves out, and the imports of `src/`.
 
 mod architecture;
+mod braces;
 mod cli;
 mod compare;
 mod convergence;

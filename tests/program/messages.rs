@@ -12,8 +12,8 @@ const BROKEN: [(&str, &str, &str, &str); 10] = [
     (
         "A brace is missing.",
         "shininess 30\n    }\n}",
-        "shininess 30\n    }\n",
-        "expected '}' to end the 'Materials'",
+        "shininess 30\n}",
+        "expected '}' to end the 'Material' of line 24",
     ),
     ("Numbers have commas between them.", "color 0.2 0 0.6", "color 0.2, 0, 0.6", "no commas: write '0.2 0 0.6'"),
     (

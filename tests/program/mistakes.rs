@@ -4,7 +4,7 @@ use crate::parse_errors::{refusal, with_material};
 use crate::support::Folder;
 
 /// Every scene has a camera, a material and a sphere, in which `from` is replaced by `to`.
-fn broken(from: &str, to: &str) -> String {
+pub fn broken(from: &str, to: &str) -> String {
     let sphere =
         "Group {\n  numObjects 1\n  MaterialIndex 0\n  Sphere {\n    center 0 0 0\n    radius 1\n  }\n}\n";
     let scene = with_material(sphere);
@@ -13,7 +13,7 @@ fn broken(from: &str, to: &str) -> String {
 }
 
 /// Runs a scene that must be refused with this message and hint, and with no other one.
-fn says(scene: &str, message: &str, hint: &str) {
+pub fn says(scene: &str, message: &str, hint: &str) {
     let said = refusal(scene);
     assert!(said.starts_with(message), "{scene}\nexpected {message}\nfound    {said}");
     assert!(said.contains(hint), "{scene}\nexpected {hint}\nin       {said}");
@@ -41,54 +41,6 @@ fn too_many_and_too_few_numbers_are_counted() {
     ] {
         says(&broken(from, to), message, "");
     }
-}
-
-#[test]
-fn a_missing_brace_is_named_with_the_block_that_it_ends() {
-    let closed = "radius 1\n  }";
-    for next in ["Sphere { center 0 0 0 radius 1 }", "MaterialIndex 0 Sphere { center 0 0 0 radius 1 }"] {
-        let first = next.split(' ').next().unwrap();
-        let message = format!("s.txt:9:3: expected '}}' to end the 'Sphere' of line 6, found '{first}'");
-        says(&broken(closed, &format!("radius 1\n  {next}")), &message, "");
-    }
-    says(
-        &broken("Material { } }", "Material { }"),
-        "s.txt:3:1: expected '}' to end the 'Materials' of line 2, found 'Group'",
-        "",
-    );
-    says(
-        &broken("Material { } }", "Material { diffuseColor 1 1 1 Material { } }"),
-        "s.txt:2:58: expected '}' to end the 'Material' of line 2, found 'Material'",
-        "",
-    );
-    says(
-        &broken("angle 90 }", "angle 90"),
-        "s.txt:2:1: expected '}' to end the 'PerspectiveCamera' of line 1, found 'Materials'",
-        "",
-    );
-    says(
-        &broken("radius 1\n  }", "radius 1"),
-        "s.txt:9:2: expected '}' to end the 'Group' of line 3, found the end of the file",
-        "",
-    );
-    let nested = "Transform { Translate 1 0 0 Group { numObjects 0";
-    says(
-        &broken("Sphere {\n    center 0 0 0\n    radius 1\n  }\n}", nested),
-        "s.txt:6:51: expected '}' to end the 'Group' of line 6, found the end of the file",
-        "these blocks have no '}': the 'Group' of line 3, the 'Transform' of line 6, the 'Group' of line 6",
-    );
-    // A brace too many, and a word in the wrong block.
-    says(
-        &broken("radius 1\n  }", "radius 1\n  } }\n  Sphere { }"),
-        "s.txt:10:3: 'Sphere' stands outside of every block",
-        "'}' too many",
-    );
-    says(
-        &broken("center 0 0 0", "MaterialIndex 0 center 0 0 0"),
-        "s.txt:7:5: 'MaterialIndex' does not belong into 'Sphere'",
-        "",
-    );
-    says(&broken("Sphere {", "Sphere"), "s.txt:7:5: expected '{' after 'Sphere', found 'center'", "");
 }
 
 #[test]
