@@ -2,7 +2,7 @@
 
 use super::fields::{Fields, Key, is_key};
 use super::lexer::{Lexer, Token, is_quote};
-use super::typing::{cleaned, foreign_character, in_ascii, is_number, numbers_in, punctuated};
+use super::typing::{cleaned, foreign_character, hexadecimal_color, in_ascii, is_number, numbers_in, punctuated};
 use super::words::{BLOCKS, belongs_into, equivalent};
 use crate::error::{Error, MOST_SHOWN, Span, counted, cut_short, probably_meant};
 
@@ -181,6 +181,12 @@ impl<'a> Fields<'a> {
             let numbers = self.numbers_in_line(count - index);
             return numbers.and_then(|numbers| self.mistyped(numbers)).unwrap_or(error);
         }
+        if count == 3
+            && index == 0
+            && let Some(error) = self.color_in_comment(token, key)
+        {
+            return error;
+        }
         let (found, is_a_word) =
             (cut_short(token.text), !token.text.starts_with(|c: char| "+-.0123456789".contains(c)));
         let message = match token.text.parse::<f64>() {
@@ -197,6 +203,18 @@ impl<'a> Fields<'a> {
             Err(_) => format!("expected a number for '{key}', found '{found}'"),
         };
         self.error(token.span, message)
+    }
+
+    /// Makes the error for a colour as `#336699` between `key` and the word `next`.
+    fn color_in_comment(&self, next: Token, key: &str) -> Option<Error> {
+        let text = &self.source.text[..next.span.start];
+        let after_key = Lexer::new(text).last()?.span.end;
+        let typed = text[after_key..].split_whitespace().next()?;
+        let numbers = hexadecimal_color(typed)?;
+        let start = after_key + text[after_key..].find(typed)?;
+        let message = format!("'#' begins a comment, and '{key}' takes 3 numbers");
+        let error = self.error(Span { start, end: start + typed.len() }, message);
+        Some(error.with_note(format!("write '{numbers}' instead of '{typed}'")))
     }
 
     /// Reads up to `count` numbers in one line, also mistyped ones, so that one message can be about all.

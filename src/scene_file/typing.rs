@@ -90,6 +90,18 @@ pub(super) fn numbers_in(word: &str) -> Option<usize> {
     parts(&ascii).all(is_number).then(|| parts(&ascii).count())
 }
 
+/// Returns the numbers from 0 to 1 of a colour as `#336699` or `#369`: red, green and blue.
+pub(super) fn hexadecimal_color(word: &str) -> Option<String> {
+    let digits = word.strip_prefix('#').filter(|digits| [3, 6].contains(&digits.len()))?;
+    let width = digits.len() / 3;
+    let most = if width == 1 { 15.0 } else { 255.0 };
+    let number = |part: usize| {
+        let value = u8::from_str_radix(digits.get(part * width..(part + 1) * width)?, 16).ok()?;
+        Some(((f64::from(value) / most * 1000.0).round() / 1000.0).to_string())
+    };
+    Some([number(0)?, number(1)?, number(2)?].join(" "))
+}
+
 /// Returns what to say about a text with punctuation, if without it it is made of parts that are all `right`.
 pub(super) fn punctuated(word: &str, right: impl Fn(&str) -> bool) -> Option<String> {
     let mut kinds: Vec<&str> =

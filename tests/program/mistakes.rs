@@ -44,6 +44,21 @@ fn too_many_and_too_few_numbers_are_counted() {
 }
 
 #[test]
+fn a_colour_of_hexadecimal_digits_is_a_comment() {
+    for (typed, numbers) in
+        [("#336699", "0.2 0.4 0.6"), ("#f80", "1 0.533 0"), ("#4080FF // blue", "0.251 0.502 1")]
+    {
+        let background = format!("Background {{\n  color {typed}\n}}\nGroup {{ numObjects 0 }}");
+        let hint = format!("write '{numbers}' instead of '{}'", &typed.split(' ').next().unwrap());
+        says(&with_material(&background), "s.txt:4:9: '#' begins a comment, and 'color' takes 3 numbers", &hint);
+    }
+    for comment in ["# blue", "#33669g", "#\u{e9}\u{e9}\u{e9}", "# 336699"] {
+        let background = format!("Background {{ color {comment}\n}}\nGroup {{ numObjects 0 }}");
+        says(&with_material(&background), "s.txt:4:1: expected a number for 'color', found '}'", "");
+    }
+}
+
+#[test]
 fn the_punctuation_of_other_formats_is_named() {
     for (from, to, message) in [
         ("center 0 0 0", "center 0, 0 0", "s.txt:7:12: scenes have no commas: write '0 0 0' instead of '0, 0 0'"),
