@@ -54,27 +54,39 @@ def measure(a2, starter, work, runs):
 
 
 def ratios():
-    """Reads from the newest record how many times as long the peers take."""
+    """Reads from the newest record how many times as long the peers take, and returns this in English and in Chinese."""
     entry = json.loads((PROJECT / "benches" / "record" / "jobs.jsonl").read_text().splitlines()[-1])
     found = {peer: [] for peer in ("Tachyon", "POV-Ray")}
     for job, seconds in entry["seconds"].items():
         medians = {program: statistics.median(times) for program, times in seconds.items()}
         for peer in set(found) & set(medians):
             found[peer].append((medians[peer] / medians["a2"], job))
+    ends = [(peer, *min(all_jobs), *max(all_jobs)) for peer, all_jobs in found.items()]
+    link, date = "[benches/peers](benches/peers/README.md)", entry["date"][:10]
     texts = [
-        f"{peer} takes {min(all_jobs)[0]:.1f} ({min(all_jobs)[1]}) to {max(all_jobs)[0]:.1f} times as long ({max(all_jobs)[1]})"
-        for peer, all_jobs in found.items()
+        f"{peer} takes {least:.1f} ({job}) to {most:.1f} times as long ({other})" for peer, least, job, most, other in ends
     ]
-    return f"The same scenes, whole processes ([benches/peers](benches/peers/README.md), {entry['date'][:10]}): {'; '.join(texts)}."
+    english = f"The same scenes, whole processes ({link}, {date}): {'; '.join(texts)}."
+    texts = [
+        f"{peer} 的用时是本程序的 {least:.1f} 倍（{in_chinese(job)}）到 {most:.1f} 倍（{in_chinese(other)}）"
+        for peer, least, job, most, other in ends
+    ]
+    return english, f"同样的场景，比较整个进程（{link}，{date}）：{'；'.join(texts)}。"
 
 
-def with_figures(text, rows):
-    """Returns the text with the figures of the rows in its own table, whose descriptions stay."""
+def in_chinese(job):
+    """Returns the name of a job of benches/peers/run.py in Chinese."""
+    job = re.sub(r", ([\d,]+) rays a pixel", r"，每像素 \1 条光线", job)
+    return re.sub(r", ([\d,]+) triangles", r"，\1 个三角形", job)
+
+
+def with_figures(text, rows, ratios_to_peers):
+    """Returns the text with the figures of the rows in its own table, whose descriptions stay, and the ratios below it."""
     for row in rows:
         number, _, figures = row.removeprefix("| ").split(" | ", 2)
         text, count = re.subn(rf"^(\| {number} \| [^|]* \| ).*$", lambda found: found[1] + figures, text, flags=re.MULTILINE)
         assert count == 1, number
-    return text
+    return re.sub(rf".*\n{END}", lambda found: f"{ratios_to_peers}\n{END}", text)
 
 
 def main():
@@ -85,6 +97,7 @@ def main():
     a2 = str(batch.built_program())
     with tempfile.TemporaryDirectory() as work:
         rows = list(measure(a2, arguments.starter, Path(work), arguments.runs))
+    english, chinese = ratios()
     table = [
         BEGIN,
         "| scene | shows | pixels that differ from the course's | by more than 8 levels | three pictures in |",
@@ -94,15 +107,15 @@ def main():
         f"(The worst of colour, normal and depth picture, of 640,000 pixels each. Whole processes, medians of "
         f"{arguments.runs} runs, {os.cpu_count()} threads, {platform.machine()}.)",
         "",
-        ratios(),
+        english,
         END,
     ]
     readme = PROJECT / "README.md"
     text = readme.read_text(encoding="utf-8")
     start, end = text.index(BEGIN), text.index(END) + len(END)
     readme.write_text(text[:start] + "\n".join(table) + text[end:], encoding="utf-8")
-    chinese = PROJECT / "README.zh.md"
-    chinese.write_text(with_figures(chinese.read_text(encoding="utf-8"), rows), encoding="utf-8")
+    readme = PROJECT / "README.zh.md"
+    readme.write_text(with_figures(readme.read_text(encoding="utf-8"), rows, chinese), encoding="utf-8")
     print("\n".join(table[1:-1]))
 
 

@@ -59,7 +59,8 @@ fn both_languages_say_the_same() {
     assert_eq!(chinese.links, english.links, "{HINT}");
 }
 
-/// The figures of the table that `scripts/readme_figures.py` writes are the same, too.
+/// The figures that `scripts/readme_figures.py` writes are the same, too: those of the table, and the ratios to the peers in
+/// the line below it.
 #[test]
 fn both_languages_have_the_same_figures() {
     let figures = |name: &str| {
@@ -73,6 +74,15 @@ fn both_languages_have_the_same_figures() {
     };
     assert_eq!(figures("README.md").len(), 7);
     assert_eq!(figures("README.zh.md"), figures("README.md"));
+    let ratios = |name: &str| {
+        let text = text(name);
+        let line = text.split_once("\n<!-- figures: end -->").unwrap().0.lines().last().unwrap();
+        let words = line.split(|c: char| !c.is_ascii_digit() && c != '.' && c != ',');
+        let numbers = words.map(|word| word.trim_matches(['.', ',']).to_owned()).filter(|word| !word.is_empty());
+        numbers.collect::<Vec<_>>()
+    };
+    assert!(ratios("README.md").len() >= 7, "{:?}", ratios("README.md"));
+    assert_eq!(ratios("README.zh.md"), ratios("README.md"));
 }
 
 #[test]
