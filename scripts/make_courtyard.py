@@ -294,7 +294,7 @@ def paving():
 
 
 def fountain():
-    """Two basins about the origin; the water is the scene's."""
+    """Two basins about the origin, and a disc of water of radius 1."""
     stone = Mesh()
     stone.turned((0, 0, 0), [
         [(2.0, 0), (2.0, 0.12)], [(2.0, 0.12), (1.75, 0.12)], [(1.75, 0.12), (1.68, 0.5)],
@@ -304,6 +304,9 @@ def fountain():
         [(0.1, 1.7), (0.08, 2.2), (0.16, 2.35), (0.02, 2.55)],
     ], 24)
     stone.write("fountain")
+    water = Mesh()
+    water.turned((0, 0, 0), [[(1, 0), (0, 0)]], 24)
+    water.write("water")
 
 
 def pot():
