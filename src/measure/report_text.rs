@@ -3,7 +3,7 @@
 use super::reference::{RELATIVE_EPSILON, TrueError};
 use super::report::{Report, peak_memory};
 use crate::cost::Cost;
-use crate::options::Options;
+use crate::options::{Options, Region};
 use crate::render::PREVIEW_MIRRORS;
 use crate::render::error_estimate::{ErrorEstimate, Interval};
 use crate::scene::MeshFile;
@@ -22,6 +22,7 @@ impl Report {
             "scene": options.input.display().to_string(),
             "width": options.width,
             "height": options.height,
+            "region": region_json(options.shown()),
             "threads": self.threads,
             "seed": options.seed,
             "phases": Value::Object(phases.into_iter().collect()),
@@ -171,6 +172,10 @@ fn cost_json(cost: &Cost) -> Value {
         "objects": Value::Object(objects.collect()),
         "a_pixel": { "rays": rays, "boxes": boxes, "triangles": triangles },
     })
+}
+
+fn region_json(region: Region) -> Value {
+    json!({ "x": region.x, "y": region.row, "width": region.width, "height": region.height })
 }
 
 fn times_json(times: Times) -> Value {

@@ -47,7 +47,8 @@ fn keys(value: &Value, path: &str, found: &mut BTreeMap<String, &'static str>) {
 }
 
 /// The keys of a report whose estimate and true error are known.
-const KEYS: &str = "a2:text scene:text width:number height:number threads:number seed:number
+const KEYS: &str = "a2:text scene:text width:number height:number
+    region.x:number region.y:number region.width:number region.height:number threads:number seed:number
     phases.parse.wall_seconds:number phases.parse.cpu_seconds:number
     phases.load.wall_seconds:number phases.load.cpu_seconds:number
     phases.build.wall_seconds:number phases.build.cpu_seconds:number
@@ -116,6 +117,26 @@ fn a_report_has_every_key_with_a_plausible_value() {
     let rmse = number("true_error.rmse_levels");
     assert!(rmse > 1.0 && number("true_error.worst_levels") > rmse);
     assert!((number("true_error.psnr_db") - 20.0 * (255.0 / rmse).log10()).abs() < 1e-9);
+}
+
+#[test]
+fn a_report_of_a_part_says_which() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    for (flags, expected) in [
+        ("", [0, 0, 9, 10]),
+        ("-tile 2/3", [0, 3, 9, 3]),
+        ("-tile 20/20", [4, 9, 5, 1]),
+        ("-region 1 2 4 3", [1, 2, 4, 3]),
+    ] {
+        let report = report(&folder, &format!("-input s.txt -size 9 10 -output o.png {flags}"));
+        let found = ["x", "y", "width", "height"].map(|key| report["region"][key].as_u64().unwrap());
+        assert_eq!(found, expected, "{flags}");
+        // Width and height are those of the whole picture.
+        assert_eq!((report["width"].as_u64(), report["height"].as_u64()), (Some(9), Some(10)), "{flags}");
+        let picture = folder.picture("o.png");
+        assert_eq!([picture.width(), picture.height()].map(u64::from), expected[2..], "{flags}");
+    }
 }
 
 #[test]
