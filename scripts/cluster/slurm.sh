@@ -27,7 +27,7 @@ shift 4
 for ((part = SLURM_ARRAY_TASK_ID; part <= parts; part += tasks)); do
     "$a2" "$@" -tile "$part/$parts" -output "$out.parts/$part.png" -skip-done -quiet &
     # A shell forwards no signals by itself: SIGTERM ends the program, and then this task.
-    trap 'kill -TERM $!; wait $!; exit 143' TERM
+    trap 'kill -TERM $! 2>/dev/null || true; wait $!; exit 143' TERM
     wait $!
 done
 TASK
