@@ -9,15 +9,24 @@ const WIDTH: usize = 80;
 /// Columns of a flag with its values.
 const FLAG_WIDTH: usize = 28;
 
-const USAGE: &str = "\
-Usage: a2 SCENE.txt -output PICTURE.png [flags]
-       a2 -compare A.png B.png [flags]
+/// What the program does.
+pub const ABOUT: &str = "Renders a scene into PNG pictures of colour, depth and surface normals.";
 
-Renders a scene into PNG pictures of colour, depth and surface normals.
-";
+/// The kinds of command lines.
+pub const USAGE: [&str; 3] = [
+    "a2 SCENE.txt -output PICTURE.png [flags]",
+    "a2 -compare A.png B.png [flags]",
+    "a2 -merge PICTURE.png PART.png...",
+];
+
+/// How flags are typed.
+pub const TYPING: &str = "Flags have one dash or two, in any order. Of one given twice the last counts.";
+
+/// Stands before [`ROBUST`].
+pub const WITH_ROBUST: &str = "With -robust, and without losing a digit of what the default gets right:";
 
 /// All differences of `-robust` from the starter.
-const ROBUST: [&str; 5] = [
+pub const ROBUST: [&str; 5] = [
     "shadow and mirror rays start as far off a surface as its rounding asks for (-epsilon auto), not 0.01 along them",
     "a plane's normal is shaded and shown as a unit vector, whatever its length in the scene",
     "what is behind a light casts no shadow: the way to it is measured from where the shadow ray starts",
@@ -25,7 +34,8 @@ const ROBUST: [&str; 5] = [
     "a mirror's smoothed normal sends no ray into the mirror: the normal of the face then takes its place",
 ];
 
-const EXIT_CODES: [(u8, &str); 4] = [
+/// The exit codes and what they mean.
+pub const EXIT_CODES: [(u8, &str); 4] = [
     (0, "The pictures are written; with -compare: the pictures are alike."),
     (
         1,
@@ -38,7 +48,8 @@ const EXIT_CODES: [(u8, &str); 4] = [
     ),
 ];
 
-const EXAMPLES: [(&str, &str); 6] = [
+/// Command lines, after what each does.
+pub const EXAMPLES: [(&str, &str); 6] = [
     ("A mirror bunny", "a2 data/scene06_bunny_1k.txt -output 06.png -size 300 300 -bounces 4"),
     ("Colour, depth and normals", "a2 s.txt -output c.png -depth 8 18 d.png -normals n.png"),
     ("The smoothest the course asks for", "a2 s.txt -output c.png -jitter -filter"),
@@ -49,7 +60,7 @@ const EXAMPLES: [(&str, &str); 6] = [
 
 /// Returns the text of `-h`: a line for each flag.
 pub(super) fn screen() -> String {
-    let mut text = format!("{USAGE}'a2 -help' says more, with examples.\n");
+    let mut text = format!("{}'a2 -help' says more, with examples.\n", head());
     for (group, flags) in GROUPS {
         text += &format!("\n{group}:\n");
         for flag in *flags {
@@ -61,8 +72,7 @@ pub(super) fn screen() -> String {
 
 /// Returns the text of `-help`.
 pub(super) fn page() -> String {
-    let mut text =
-        format!("{USAGE}Flags have one dash or two, in any order. Of one given twice the last counts.\n");
+    let mut text = format!("{}{TYPING}\n", head());
     for (group, flags) in GROUPS {
         text += &format!("\n{group}:\n");
         for flag in *flags {
@@ -70,7 +80,7 @@ pub(super) fn page() -> String {
             text += &wrapped(&format!("{}. {}", flag.summary, flag.more), 6, 6);
         }
     }
-    text += "\nWith -robust, and without losing a digit of what the default gets right:\n";
+    text += &format!("\n{WITH_ROBUST}\n");
     ROBUST.iter().for_each(|difference| text += &wrapped(&format!("- {difference}"), 2, 4));
     text += "\nExit codes:\n";
     EXIT_CODES.iter().for_each(|(code, meaning)| text += &wrapped(&format!("{code}  {meaning}"), 2, 5));
@@ -99,6 +109,10 @@ pub(super) fn version() -> String {
         InstructionSet::detected(),
         "",
     )
+}
+
+fn head() -> String {
+    format!("Usage: {}\n\n{ABOUT}\n", USAGE.join("\n       "))
 }
 
 fn typed(flag: &Flag) -> String {

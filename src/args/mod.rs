@@ -5,7 +5,7 @@
 
 mod depth;
 mod flags;
-mod help;
+pub mod help;
 mod measuring;
 mod parts;
 mod pixels;

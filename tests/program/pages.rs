@@ -2,17 +2,21 @@
 
 use crate::snapshots::holds_at;
 use crate::support::{Folder, project};
+use a2::args::help::{ABOUT, EXAMPLES, EXIT_CODES, ROBUST, TYPING, USAGE, WITH_ROBUST};
 use a2::args::{Flag, GROUPS};
 use a2::options::SamplerKind;
 use clap::{Arg, ArgAction, Command, ValueHint};
 use clap_complete::Shell;
+use clap_mangen::roff::{Roff, bold, roman};
 
 /// The command line as clap describes it. Flags have two dashes here, which [`with_one_dash`] changes.
 fn command() -> Command {
     let scene = Arg::new("SCENE").help("Scene to read, .txt; - is standard input").value_hint(ValueHint::FilePath);
     let mut command = Command::new("a2")
         .version(env!("CARGO_PKG_VERSION"))
-        .about("Renders a scene into PNG pictures of colour, depth and surface normals")
+        .about(ABOUT.trim_end_matches('.'))
+        .long_about(format!("{ABOUT} {TYPING}"))
+        .override_usage(USAGE.join("\n"))
         .disable_help_flag(true)
         .disable_version_flag(true)
         .arg(scene);
@@ -65,15 +69,39 @@ fn completions(shell: Shell) -> String {
     }
 }
 
+/// Returns what stands behind the flags of the manual page.
+fn last_sections() -> String {
+    let mut page = Roff::new();
+    page.control("SH", ["ROBUST"]);
+    page.text([roman(WITH_ROBUST)]);
+    for difference in ROBUST {
+        page.control("IP", ["\\(bu", "2"]).text([roman(difference)]);
+    }
+    page.control("SH", ["EXIT STATUS"]);
+    for (code, meaning) in EXIT_CODES {
+        page.control("TP", ["4"]).text([bold(code.to_string())]).text([roman(meaning)]);
+    }
+    page.control("SH", ["EXAMPLES"]);
+    for (what, line) in EXAMPLES {
+        page.control("TP", ["4"]).text([roman(what)]);
+        page.control("nf", []).text([bold(line)]).control("fi", []);
+    }
+    page.render()
+}
+
 #[test]
 fn the_manual_page_is_that_of_the_flags() {
-    // What stands behind the flags in -help.
-    let help = Folder::new().a2("-help").stdout;
-    let (_, rest) = help.split_once("\nWith -robust").unwrap();
-    let rest = format!("With -robust{rest}");
+    let man = clap_mangen::Man::new(command());
     let mut page = Vec::new();
-    clap_mangen::Man::new(command().after_long_help(rest)).render(&mut page).unwrap();
-    let page = with_one_dash(&String::from_utf8(page).unwrap(), "\\-");
+    man.render_title(&mut page).unwrap();
+    man.render_name_section(&mut page).unwrap();
+    man.render_synopsis_section(&mut page).unwrap();
+    man.render_description_section(&mut page).unwrap();
+    man.render_options_section(&mut page).unwrap();
+    let page = String::from_utf8(page).unwrap() + &last_sections();
+    // Each section brings the lines before the title.
+    let (first_lines, _) = page.split_once(".TH").unwrap();
+    let page = with_one_dash(&format!("{first_lines}{}", page.replace(first_lines, "")), "\\-");
     for flag in GROUPS.iter().flat_map(|group| group.1) {
         assert!(page.contains(&format!("\\fB\\-{}\\fR", flag.name.replace('-', "\\-"))), "{}", flag.name);
     }
