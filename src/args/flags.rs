@@ -7,7 +7,7 @@ pub struct Flag {
     pub name: &'static str,
     /// What its values are called.
     pub values: &'static [&'static str],
-    /// Half a line: `-h`.
+    /// Half a line.
     pub summary: &'static str,
     /// Sentences that follow the summary in `-help`.
     pub more: &'static str,
@@ -226,7 +226,7 @@ const COMPARING: &[Flag] = &[
 ];
 
 const HELP: &[Flag] = &[
-    flag("h", &[], "This list", ""),
-    flag("help", &[], "The same with details and examples", ""),
+    flag("h", &[], "The flags to begin with", ""),
+    flag("help", &[], "All flags, with details and examples", ""),
     flag("version", &[], "Version, build, instruction sets, limits; also -V", ""),
 ];

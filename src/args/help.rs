@@ -1,6 +1,6 @@
 //! The texts of `-h`, `-help` and `-version`, made of the table of flags when they are asked for.
 
-use super::flags::{Flag, GROUPS};
+use super::flags::{Flag, GROUPS, flags};
 use crate::options::{MAX_BOUNCES, MAX_SAMPLES, MAX_SIDE, MAX_THREADS};
 use crate::simd::InstructionSet;
 
@@ -8,6 +8,21 @@ use crate::simd::InstructionSet;
 const WIDTH: usize = 80;
 /// Columns of a flag with its values.
 const FLAG_WIDTH: usize = 28;
+
+/// The flags to begin with.
+const FIRST: [&str; 11] = [
+    "output",
+    "size",
+    "bounces",
+    "shadows",
+    "jitter",
+    "filter",
+    "depth",
+    "normals",
+    "time-limit",
+    "check",
+    "compare",
+];
 
 /// What the program does.
 pub const ABOUT: &str = "Renders a scene into PNG pictures of colour, depth and surface normals.";
@@ -58,14 +73,17 @@ pub const EXAMPLES: [(&str, &str); 6] = [
     ("Is my picture the same?", "a2 -compare mine.png theirs.png -diff where.png"),
 ];
 
-/// Returns the text of `-h`: a line for each flag.
+/// Returns the text of `-h`: a line for each flag to begin with, and the names of the others.
 pub(super) fn screen() -> String {
-    let mut text = format!("{}'a2 -help' says more, with examples.\n", head());
+    let mut text = head() + "\n";
+    for flag in FIRST.iter().filter_map(|name| flags().find(|flag| flag.name == *name)) {
+        text += &format!("  {:<FLAG_WIDTH$}{}\n", typed(flag), flag.summary);
+    }
+    text += "\n'a2 -help' tells everything, with examples, and has these flags, too:\n";
     for (group, flags) in GROUPS {
-        text += &format!("\n{group}:\n");
-        for flag in *flags {
-            text += &format!("  {:<FLAG_WIDTH$}{}\n", typed(flag), flag.summary);
-        }
+        let others = flags.iter().filter(|flag| !FIRST.contains(&flag.name));
+        let names: String = others.map(|flag| format!(" -{}", flag.name)).collect();
+        text += &wrapped(&format!("{group}:{names}"), 2, 6);
     }
     text
 }

@@ -124,10 +124,11 @@ fn flags_about_random_samples_imply_jitter() {
 
 #[test]
 fn help_names_every_flag() {
-    let Ok(Request::Print(help)) = parsed("-help") else { panic!() };
-    let Ok(Request::Print(screen)) = parsed("-h") else { panic!() };
-    for Flag { name, .. } in flags() {
-        assert!(help.contains(&format!("  -{name}")) && screen.contains(&format!("  -{name}")), "{name}");
+    for help in ["-h", "-help"] {
+        let Ok(Request::Print(text)) = parsed(help) else { panic!() };
+        for Flag { name, .. } in flags() {
+            assert!(text.split_whitespace().any(|word| word == format!("-{name}")), "{help}: {name}");
+        }
     }
 }
 
@@ -143,14 +144,12 @@ fn help_is_shown_beside_flags_without_their_values() {
 fn help_fits_a_terminal() {
     for help in ["-h", "-help"] {
         let Ok(Request::Print(text)) = parsed(help) else { panic!() };
-        assert!(text.lines().count() > 40);
         for line in text.lines() {
             assert!(line.chars().count() <= 80 && line == line.trim_end(), "{help}: {line}");
         }
     }
     let Ok(Request::Print(screen)) = parsed("-h") else { panic!() };
-    // A flag takes one line, and a screen has some 60.
-    assert!(screen.lines().count() <= 65, "{}", screen.lines().count());
+    assert!(screen.lines().count() < 30, "{screen}");
 }
 
 /// One number each, wherever it is told.
