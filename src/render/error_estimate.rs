@@ -12,8 +12,9 @@
 //! of different sets, with variance 2 V^2 R / (R - 1), where V is the true variance of the colour. V^2 is not known, but
 //! the mean of v^2 is V^2 (1 + (k - 3) / R + 2 / (R - 1)), where k is the kurtosis of a set's mean: 3 for a normal
 //! distribution, at least 1. We take 2, which is typical of edges. With two halves the two sums can change places, so
-//! their ratio is as likely to be too large by some factor as too small: the interval is symmetric on a logarithmic
-//! scale.
+//! their ratio is as likely to be too large by some factor as too small: this part of the interval is symmetric on a
+//! logarithmic scale. To it comes what is not known of the differences between samples and error
+//! ([`SetKind::factor_deviations`]).
 //!
 //! What no sample has met is no error that samples can show. It belongs into the upper end of the interval, and the
 //! estimate is never less than what is expected of it (see [`unseen`](super::unseen)): no error is 0 unless nothing is
@@ -148,12 +149,13 @@ impl Sums {
         let mean_square = self.mean_square(kind, pixels);
         let relative = if self.spread[0] > 0.0 { self.squares / self.spread[0].powi(2) } else { 0.0 };
         // The logarithm of a ratio of two sums of n squares has the variance 4/n (1 + 1/n).
-        let variance = relative * (1.0 + relative / 4.0) + kind.factor_deviation().powi(2);
-        let factor = (TWO_SIDED * variance.sqrt()).exp();
+        let variance = relative * (1.0 + relative / 4.0);
+        let factor = |deviation: f64| (TWO_SIDED * (variance + deviation * deviation).sqrt()).exp();
+        let [below, above] = kind.factor_deviations().map(factor);
         Interval {
             rmse: mean_square.max(EXPECTED * white).sqrt(),
-            low: (mean_square / factor).sqrt(),
-            high: (mean_square * factor + bright).sqrt(),
+            low: (mean_square / below).sqrt(),
+            high: (mean_square * above + bright).sqrt(),
         }
     }
 }

@@ -110,7 +110,7 @@ fn independent(key: u64, sample: u32) -> (Real, Real) {
 /// Hashes a number. It is a bijection of 64-bit numbers (the finaliser of SplitMix64: Steele, Lea, Flood, Fast
 /// Splittable Pseudorandom Number Generators, OOPSLA 2014).
 #[inline(always)]
-fn mixed(bits: u64) -> u64 {
+pub fn mixed(bits: u64) -> u64 {
     let bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -1,26 +1,27 @@
 //! [`SetKind`]: what the samples of one pixel say about the error of their mean, without a second set to compare with.
 //!
 //! Samples that are spread evenly are not independent: the differences within a set are larger than the error of its
-//! mean, by a factor that depends on how fast the error falls with the number of samples. Write V(m) for the squared
-//! error of sets of m samples. The set of n samples is divided into G *groups* that are evenly spread sets themselves.
-//! The means of the groups differ by
+//! mean. Write V(m) for the squared error of sets of m samples. Of a set of n samples, made of two halves that are
+//! evenly spread themselves, the means of the halves differ by
 //!
-//! S(G) = sum of (mean of group - mean)^2 / (G (G - 1)), whose expectation is (V(n / G) - V(n)) / (G - 1).
+//! S = (difference of the means)^2 / 4, whose expectation is V(n / 2) - V(n).
 //!
-//! (This is exact for any sets whose groups are exchangeable: G V(n) is the mean of V(n / G) less the mean squared
-//! differences.) Two such numbers, S(2) and S(4), summed over the whole picture, give V(n) if it falls as a power of
-//! n: V(n) = S(2) / (3 S(4) / S(2) - 2). So the picture keeps all its samples in one set.
+//! (This is exact for any sets whose halves are exchangeable: 2 V(n) is the mean of V(n / 2) less the mean squared
+//! difference of the halves.) So V(n) = S / (2^a - 1) if V falls as n^-a. Summed over a whole picture, S is the *fine*
+//! spread here, and the picture keeps all its samples in one set.
 //!
-//! - Sobol: the first and second half of a set, and its quarters, are such groups.
-//! - Stratified: four neighbouring cells hold one sample of each of four groups. Their differences along x, along y
-//!   and crosswise are known one by one. A jittered cell says nothing of the variance within itself, so a power law is
-//!   not enough: [`SetKind::factor`] tells what was measured.
+//! - Sobol: the halves are the first and second half of a set. The *coarse* spread compares pairs of samples that follow
+//!   one another, in the same unit. It tells a: (n / 2)^(a - 1) is its ratio to the fine one.
+//! - Stratified: in a block of two by two cells there are three differences: along x, along y and crosswise. Each is the
+//!   sum of the errors of the cells, and of the difference of their true means, which is smallest crosswise: 0 for a
+//!   slope. So the fine spread is the crosswise one, and the coarse one the mean of all three.
 //! - Independent: every sample is a group, and the factor is 1.
 
 use crate::options::SamplerKind;
 use vecmath::{Real, Vector3};
 
-/// Differences between the samples of a pixel, for each channel: the S(2) and S(4) of the module's docs.
+/// Differences between the samples of a pixel, for each channel: fine and coarse as in the module's docs. The fine one is
+/// nearer to the error of a picture; of a single pixel the coarse one says more, because more samples are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
     pub fine: [f64; 3],
@@ -46,9 +47,6 @@ impl Spread {
 pub fn mean_of(channels: [f64; 3]) -> f64 {
     channels.iter().sum::<f64>() / 3.0
 }
-
-/// The ratio S(4)/S(2) of Sobol samples if the squared error falls as n^-1.5, as at edges.
-pub const USUAL_RATIO: f64 = 1.276;
 
 /// How the samples of a pixel lie, as far as their differences depend on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,50 +85,58 @@ impl SetKind {
                 Spread { fine: spread, coarse: spread }
             }
             Self::Sobol(_) => {
-                let groups = |count: usize| {
-                    let size = colors.len().div_ceil(count);
-                    between(colors.chunks(size).map(mean), colors.len().div_ceil(size))
-                };
-                let fine = groups(2);
-                Spread { fine, coarse: if colors.len() < 4 { fine } else { groups(4) } }
+                let (first, second) = colors.split_at(colors.len().div_ceil(2));
+                let fine = square(mean(first) - mean(second)).map(|square| square / 4.0);
+                Spread { fine, coarse: of_pairs(colors, colors.len()) }
             }
             Self::Grid(columns) => of_blocks(colors, columns as usize),
             Self::Rows(_, columns) => {
-                let rows = colors.chunks(columns.max(2) as usize);
-                let pairs = rows.flat_map(|row| row.chunks_exact(2)).map(|pair| square(pair[0] - pair[1]));
-                let (sum, count) = pairs.fold(([0.0; 3], 0.0), |(sum, count), pair| (add(sum, pair), count + 1.0));
-                let fine = sum.map(|sum| sum / (2.0 * count * colors.len() as f64));
+                let fine = of_pairs(colors, columns.max(2) as usize);
                 Spread { fine, coarse: fine }
             }
         }
     }
 
-    /// Returns the squared error of the mean as a multiple of S(2), for a whole picture in which S(4)/S(2) is `ratio`.
+    /// Returns the squared error of the mean as a multiple of the fine spread, for a whole picture in which the coarse one
+    /// is `ratio` times the fine one.
     ///
-    /// For n >= 16 Sobol samples it is the power law of the module's docs. Sets below 16 samples do not follow a power
-    /// law yet: the numbers are the means over the seven scenes of `data/`. In a grid, 1 is exact for what is as rough as noise (ratio
-    /// 1), and 1/4 for what is smooth (ratio 5/4); edges at all angles, at ratios 1.09 to 1.17, were measured at 0.38
-    /// to 0.59. See docs/error-estimate.md.
+    /// Where a power law does not hold yet, or only in part, the numbers are measured on the seven scenes of `data/`. See
+    /// docs/error-estimate.md.
     pub fn factor(self, ratio: f64) -> f64 {
         match self {
             Self::Independent | Self::Sequences => 1.0,
-            Self::Sobol(0..4) => 1.0 / 2.6,
-            Self::Sobol(4..8) => 1.0 / 2.2,
-            Self::Sobol(samples) if samples < 16 || samples % 4 != 0 => 1.0 / 2.0,
-            Self::Sobol(_) => 1.0 / (3.0 * ratio.clamp(1.0, 2.0) - 2.0),
-            Self::Grid(_) => interpolated(&[(1.0, 1.0), (1.12, 0.47), (1.18, 0.47), (1.25, 0.25)], ratio),
-            Self::Rows(2, _) => 1.0 / 1.3,
+            Self::Sobol(samples) if samples < 32 || !samples.is_power_of_two() => Self::usual_factor(samples),
+            Self::Sobol(samples) => {
+                let doublings = f64::from(samples.ilog2()) - 1.0;
+                // 2^a - 1, from independent samples (a = 1) to smooth colours (a = 3).
+                let by_power_law = (2.0 * ratio.powf(1.0 / doublings) - 1.0).clamp(1.0, 7.0);
+                1.0 / (1.0 + 0.72 * (by_power_law - 1.0))
+            }
+            // Noise, edges at all angles, and a slope, where it is exact again.
+            Self::Grid(_) => interpolated(&[(1.0, 1.0), (1.7, 0.80), (2.2, 0.75), (5.0, 1.0)], ratio),
+            Self::Rows(2, _) => 1.0 / 1.55,
             Self::Rows(..) => 1.0 / 2.1,
         }
     }
 
-    /// Returns the standard deviation of the logarithm of [`factor`](Self::factor), from scene to scene.
-    pub fn factor_deviation(self) -> f64 {
+    /// Returns the factor of Sobol samples if nothing is known but their number.
+    pub fn usual_factor(samples: u32) -> f64 {
+        match (samples, samples.is_power_of_two()) {
+            (0..4, true) | (0..16, false) => 1.0 / 2.6,
+            (4, _) | (_, false) => 1.0 / 2.2,
+            (8, _) => 1.0 / 2.0,
+            _ => 1.0 / 1.9,
+        }
+    }
+
+    /// Returns how far [`factor`](Self::factor) may be off: standard deviations of its logarithm, from scene to scene,
+    /// where it is too large and where it is too small. It is too large where details are as small as the distance of
+    /// two samples: then the error falls faster than before.
+    pub fn factor_deviations(self) -> [f64; 2] {
         match self {
-            Self::Independent => 0.0,
-            Self::Sobol(_) | Self::Sequences => 0.22,
-            Self::Grid(4..) => 0.25,
-            Self::Grid(_) | Self::Rows(..) => 0.35,
+            Self::Independent => [0.0, 0.0],
+            Self::Sobol(_) | Self::Sequences | Self::Grid(4..) => [0.33, 0.22],
+            Self::Grid(_) | Self::Rows(..) => [0.45, 0.35],
         }
     }
 
@@ -157,6 +163,14 @@ fn between(means: impl Iterator<Item = Vector3> + Clone, count: usize) -> [f64; 
     squares.map(|sum| sum / (count * (count - 1.0)))
 }
 
+/// Returns the spread within pairs of neighbours in rows of so many colours.
+fn of_pairs(colors: &[Vector3], columns: usize) -> [f64; 3] {
+    let rows = colors.chunks(columns);
+    let pairs = rows.flat_map(|row| row.chunks_exact(2)).map(|pair| square(pair[0] - pair[1]));
+    let (sum, count) = pairs.fold(([0.0; 3], 0.0), |(sum, count), pair| (add(sum, pair), count + 1.0));
+    sum.map(|sum| sum / (2.0 * count * colors.len() as f64))
+}
+
 /// Returns the spread within blocks of two by two cells, by their differences along x, along y and crosswise.
 fn of_blocks(colors: &[Vector3], columns: usize) -> Spread {
     let (mut fine, mut coarse) = ([0.0; 3], [0.0; 3]);
@@ -167,9 +181,8 @@ fn of_blocks(colors: &[Vector3], columns: usize) -> Spread {
             let along_y = square(a[0] + a[1] - b[0] - b[1]);
             let crosswise = square(a[0] - a[1] - b[0] + b[1]);
             for c in 0..3 {
-                let along = along_x[c] + along_y[c];
-                fine[c] += (along + 2.0 * crosswise[c]) / 4.0;
-                coarse[c] += (along + crosswise[c]) / 3.0;
+                fine[c] += crosswise[c];
+                coarse[c] += (along_x[c] + along_y[c] + crosswise[c]) / 3.0;
             }
         }
     }
@@ -202,6 +215,8 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::samples::mixed;
+    use super::super::sobol::Sobol;
     use super::*;
 
     fn gray(values: impl IntoIterator<Item = f64>) -> Vec<Vector3> {
@@ -216,10 +231,40 @@ mod tests {
     }
 
     #[test]
-    fn halves_and_quarters_of_a_sequence_are_compared() {
-        let spread = SetKind::Sobol(8).spread(&gray([0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0]));
-        assert!((spread.fine[1] - 0.25).abs() < 1e-7, "{spread:?}");
-        assert!((spread.coarse[1] - 2.0 / 12.0).abs() < 1e-7, "{spread:?}");
+    fn halves_and_pairs_of_a_sequence_are_compared() {
+        let spread = SetKind::Sobol(8).spread(&gray([0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 4.0]));
+        assert!((spread.fine[1] - 1.5f64.powi(2) / 4.0).abs() < 1e-7, "{spread:?}");
+        assert!((spread.coarse[1] - 4.0 / 64.0).abs() < 1e-7, "{spread:?}");
+        let odd = SetKind::Sobol(3).spread(&gray([0.0, 1.0, 4.0]));
+        assert!((odd.fine[0] - 3.5f64.powi(2) / 4.0).abs() < 1e-6, "{odd:?}");
+    }
+
+    /// At edges the error of 64 samples is stated to a fifth, and where all is noise, too.
+    #[test]
+    fn the_power_law_of_a_sequence_holds_at_edges_and_in_noise() {
+        const SETS: u64 = 4000;
+        let kind = SetKind::Sobol(64);
+        let random = |n: u64| mixed(n) as f64 / 2.0f64.powi(64);
+        let edge = |set: u64, x: f64, y: f64| {
+            // The line is a random one through the pixel's middle, whose half is 1.
+            let angle = std::f64::consts::TAU * random(7 * set);
+            f64::from((x - 0.5) * angle.cos() + (y - 0.5) * angle.sin() > 0.0)
+        };
+        let noise = |_: u64, x: f64, y: f64| f64::from(mixed(x.to_bits() ^ mixed(y.to_bits())) >> 63 == 1);
+        let integrands: [&dyn Fn(u64, f64, f64) -> f64; 2] = [&edge, &noise];
+        for value in integrands {
+            let (mut fine, mut coarse, mut error) = (0.0, 0.0, 0.0);
+            for set in 0..SETS {
+                let sobol = Sobol::new([mixed(2 * set + 1), mixed(2 * set + 2)]);
+                let places = (0..64).map(|index| sobol.sample(index));
+                let colors = gray(places.map(|(x, y)| value(set, x as f64, y as f64)));
+                let spread = kind.spread(&colors);
+                (fine, coarse) = (fine + spread.fine[0], coarse + spread.coarse[0]);
+                error += (mean(&colors).x as f64 - 0.5).powi(2);
+            }
+            let stated = fine * kind.factor(coarse / fine);
+            assert!((stated / error - 1.0).abs() < 0.2, "{} {}", stated / error, coarse / fine);
+        }
     }
 
     #[test]

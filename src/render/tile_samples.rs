@@ -4,7 +4,7 @@ use super::error_estimate::{ErrorSums, HalvesError};
 use super::frame::SampleCounts;
 use super::pixel::{Pixel, finite, store};
 use super::preview::Preview;
-use super::spread::{SetKind, USUAL_RATIO};
+use super::spread::SetKind;
 use super::tiles::Tile;
 use crate::film::{Film, Planes};
 use crate::plan::Plan;
@@ -192,7 +192,7 @@ impl TileSamples {
         self.colors[index] = sum;
         let factor = match self.halves {
             Halves::Independent => 1.0,
-            Halves::OfSequence => SetKind::Sobol(samples).factor(USUAL_RATIO),
+            Halves::OfSequence => SetKind::usual_factor(samples),
         };
         let in_half = 2.0 / samples as Real;
         self.halves_errors[index] = HalvesError::new((sum - second) * in_half, second * in_half, factor);

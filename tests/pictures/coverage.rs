@@ -10,7 +10,7 @@ use rayon::prelude::*;
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 24 }
 Background { color 0.1 0.08 0.05 ambientLight 0.05 0.05 0.05 }
 Materials { numMaterials 2 Material { diffuseColor 0.9 0.9 0.8 }
-            Material { diffuseColor 0.1 0.1 0.1 specularColor 1 1 1 shininess 30000 } }";
+            Material { diffuseColor 0.01 0.01 0.01 specularColor 1 1 1 shininess 30000 } }";
 const LIGHT: &str = "Lights { numLights 1 DirectionalLight { direction 0 0 -1 color 1 1 1 } }";
 
 /// Makes the scenes that deceive: what matters is smaller than a pixel, or brighter than white.
@@ -44,7 +44,7 @@ fn deceiving_scenes() -> Vec<(&'static str, String)> {
             )
         })
         .collect();
-    let bright = "Lights { numLights 1 PointLight { position 3 3 8 color 30 28 25 falloff 0 } }";
+    let bright = "Lights { numLights 1 PointLight { position 3 3 8 color 2500 2300 2050 falloff 1 } }";
     let mirror = group(1, "MaterialIndex 1 Sphere { center 0 0 0 radius 1.6 }")
         .replace("color 0.1 0.08 0.05", "color 0 0 0 cubeMap tex/courtyard");
     vec![
