@@ -183,15 +183,18 @@ fn what_does_not_fit_into_memory_is_refused() {
 #[test]
 fn a_higher_picture_needs_no_more_memory() {
     let folder = folder_with_scene();
-    let peak = |height: u32| {
+    let peak = |height: u32, threads: u32| {
         let pictures = "-output o.png -normals n.png -depth 8 18 d.png -report r.json -max-memory 40M";
-        let run = folder.a2(&format!("-input s.txt {pictures} -size 3000 {height} -threads 2"));
+        let run = folder.a2(&format!("-input s.txt {pictures} -size 3000 {height} -threads {threads}"));
         assert_eq!(run.exit_code, 0, "{}", run.stderr);
         folder.json("r.json")["peak_memory_bytes"].as_f64().unwrap()
     };
-    let (low, high) = (peak(1000), peak(6000));
     // The pictures of the second have 105 MB more.
-    assert!(high < low + 8e6 && high < 64e6, "{low} and {high}");
+    let (low, high) = (peak(1000, 1), peak(6000, 1));
+    assert!(high < low + 8e6, "{low} and {high}");
+    // How many bands wait for one that is late depends on what else the machine does, up to a limit.
+    let high = peak(6000, 2);
+    assert!(high < 64e6, "{high}");
 }
 
 #[test]
