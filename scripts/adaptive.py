@@ -27,7 +27,10 @@ TARGETS = [4, 2, 1, 0.5, 0.25, 0.125]
 
 
 def render(folder, scene, size, flags, repeats=1):
-    """Returns true RMSE in levels, camera rays a pixel, and the median of the processor time of rendering."""
+    """Returns true RMSE in levels, camera rays a pixel, and the median of the processor time of rendering and writing.
+
+    Of fixed samples the film is made while they are rendered, and counts as writing.
+    """
     command = [A2, "-input", batch.PROJECT / "data" / f"{scene.name}.txt", *scene.flags, "-size", size, size,
                "-output", folder / "o.pfm", "-report", folder / "r.json", "-threads", 1, "-quiet", *flags]
     times = []
@@ -36,7 +39,7 @@ def render(folder, scene, size, flags, repeats=1):
         if done.returncode not in (0, 3):
             sys.exit(done.stderr)
         report = json.loads((folder / "r.json").read_text())
-        times.append(sum(report["phases"][phase]["cpu_seconds"] for phase in ("render", "filter")))
+        times.append(sum(report["phases"][phase]["cpu_seconds"] for phase in ("render", "filter", "encode")))
     error = report["true_error"]["rmse_levels"] if report["true_error"] else None
     return error, report["rays"]["camera"] / size**2, median(times)
 
@@ -94,7 +97,7 @@ def main():
             lines.append(f"| {scene.short_name} | {shown(adaptive)} | {shown(fixed)} |")
         for size in SIZES:
             lines += ["", f"{size} x {size} pixels, for each target in levels: the true error, and the processor time of "
-                      "rendering as a multiple of that of the best fixed number of stratified or Sobol samples, with "
+                      "rendering and writing as a multiple of that of the best fixed number of stratified or Sobol samples, with "
                       "their own error estimated, for the same true error (`-`: beyond 1 to 64 samples):", "",
                       "| scene | " + " | ".join(str(target) for target in TARGETS) + " |",
                       "|---" * (len(TARGETS) + 1) + "|"]

@@ -54,9 +54,18 @@ pub(super) fn write_pfm_rows(
     const AT_ONCE: usize = 1 << 20;
     let (row_numbers, mut rest) = (3 * size.0 as usize, size.1 - first_row);
     let rows_at_once = (AT_ONCE / (4 * row_numbers)).max(1);
+    let mut bytes = Vec::new();
     for rows in numbers.chunks(rows_at_once * row_numbers) {
-        let upwards = rows.chunks_exact(row_numbers).rev().flatten();
-        let bytes: Vec<u8> = upwards.flat_map(|number| number.to_le_bytes()).collect();
+        bytes.resize(4 * rows.len(), 0);
+        let upwards = bytes.chunks_exact_mut(4 * row_numbers).rev();
+        for (bytes, numbers) in upwards.zip(rows.chunks_exact(row_numbers)) {
+            bytes
+                .as_chunks_mut()
+                .0
+                .iter_mut()
+                .zip(numbers)
+                .for_each(|(bytes, number)| *bytes = number.to_le_bytes());
+        }
         rest -= (rows.len() / row_numbers) as u32;
         let place = pfm_header(size).len() as u64 + u64::from(rest) * 4 * row_numbers as u64;
         file.seek(SeekFrom::Start(place))?;

@@ -27,25 +27,31 @@ fn pooled_with(values: &[f32], width: usize, own: f32) -> Vec<f32> {
     const DIAGONAL: f32 = 0.5;
     let height = values.len() / width;
     let row_of = |row: usize| &values[row * width..(row + 1) * width];
-    // Weighted sums of the three rows above each other, in every column: for the middle and for either side.
     let pool_row = |(row, pooled): (usize, &mut [f32])| {
         let this = row_of(row);
         let others = [row.checked_sub(1), Some(row + 1).filter(|&next| next < height)];
-        let mut vertical = vec![0.0; width];
-        for other in others.into_iter().flatten() {
-            vertical.iter_mut().zip(row_of(other)).for_each(|(sum, value)| *sum += value);
-        }
         let count = others.into_iter().flatten().count() as f32;
-        let (of_middle, of_side) = (own + BESIDE * count, BESIDE + DIAGONAL * count);
-        for x in 0..width {
-            let (mut sum, mut weights) = (own * this[x] + BESIDE * vertical[x], of_middle);
-            for side in [x.wrapping_sub(1), x + 1] {
-                if let (Some(beside), Some(diagonal)) = (this.get(side), vertical.get(side)) {
-                    sum += BESIDE * beside + DIAGONAL * diagonal;
-                    weights += of_side;
-                }
+        // Of each column the weighted sum of the three rows: what it is for the pixel in it, and for those beside it.
+        let mut of_side = this.to_vec();
+        pooled.iter_mut().zip(this).for_each(|(sum, value)| *sum = own * value);
+        for row in others.into_iter().flatten().map(row_of) {
+            for ((middle, side), value) in pooled.iter_mut().zip(&mut of_side).zip(row) {
+                *middle += BESIDE * value;
+                *side += DIAGONAL * value;
             }
-            pooled[x] = sum / weights;
+        }
+        let (middle_weight, side_weight) = (own + BESIDE * count, BESIDE + DIAGONAL * count);
+        pooled.iter_mut().skip(1).zip(&of_side).for_each(|(sum, side)| *sum += side);
+        pooled.iter_mut().zip(&of_side[1..]).for_each(|(sum, side)| *sum += side);
+        // The first and the last pixel have one side less.
+        let weight = |sides: usize| middle_weight + sides as f32 * side_weight;
+        match pooled {
+            [only] => *only /= weight(0),
+            [first, inner @ .., last] => {
+                [first, last].into_iter().for_each(|sum| *sum /= weight(1));
+                inner.iter_mut().for_each(|sum| *sum /= weight(2));
+            }
+            [] => {}
         }
     };
     let mut pooled = vec![0.0; values.len()];

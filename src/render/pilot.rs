@@ -53,10 +53,8 @@ pub fn variances<'a>(
     let is_whole = tiles.map_init(tracer, trace_corners).all(|is_whole| is_whole);
     let corners = corners.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mut variances = vec![0.0; (part.width * part.height) as usize];
-    let fill_row = |(row, variances): (usize, &mut [f32])| {
-        variances.iter_mut().enumerate().for_each(|(x, variance)| *variance = corners.variance(x, row));
-    };
-    variances.par_chunks_mut(part.width as usize).enumerate().for_each(fill_row);
+    let rows = variances.par_chunks_mut(part.width as usize).enumerate();
+    rows.for_each(|(row, variances)| corners.set_variances(row, variances));
     is_whole.then_some((variances, corners.counts))
 }
 
@@ -67,17 +65,19 @@ impl Corners {
         }
     }
 
-    /// Returns the variance of the corners of a pixel.
-    fn variance(&self, x: usize, row: usize) -> f32 {
-        let first = row * self.columns + x;
-        let corners = [first, first + 1, first + self.columns, first + self.columns + 1].map(|i| self.bytes[i]);
-        // Three times the variance of four numbers is the sum of their squares less a quarter of the square of their sum.
-        let squares = |c: usize| {
-            let levels = corners.map(|corner| u32::from(corner[c]));
-            let sum = levels.iter().sum::<u32>();
-            4 * levels.iter().map(|level| level * level).sum::<u32>() - sum * sum
-        };
-        (squares(0) + squares(1) + squares(2)) as f32 / 36.0
+    /// Sets the variances of a row of pixels.
+    fn set_variances(&self, row: usize, variances: &mut [f32]) {
+        let corners = |row: usize| self.bytes[row * self.columns..][..self.columns].windows(2);
+        for (variance, (upper, lower)) in variances.iter_mut().zip(corners(row).zip(corners(row + 1))) {
+            // Three times the variance of four numbers is the sum of their squares less a quarter of the square of their
+            // sum.
+            let squares = |c: usize| {
+                let levels = [upper[0], upper[1], lower[0], lower[1]].map(|corner| u32::from(corner[c]));
+                let sum = levels.iter().sum::<u32>();
+                4 * levels.iter().map(|level| level * level).sum::<u32>() - sum * sum
+            };
+            *variance = (squares(0) + squares(1) + squares(2)) as f32 / 36.0;
+        }
     }
 }
 
