@@ -18,6 +18,10 @@ pub trait LeafVisitor<S: Simd> {
     /// Tests one item of a leaf for one ray, and lowers the ray's limit.
     fn test(&mut self, simd: S, leaf: usize, item: u32, lane: usize, packet: &mut CullingPacket);
 
+    /// Prefetches a leaf, if that pays.
+    #[inline(always)]
+    fn prefetch(&self, _leaf: usize) {}
+
     /// Tests the items of a leaf for one ray, and lowers its limit.
     #[inline(always)]
     fn visit_single(&mut self, simd: S, leaf: usize, lane: usize, packet: &mut CullingPacket) {

@@ -18,6 +18,7 @@ mod leaf_visitor;
 mod node;
 mod packet;
 mod packet_bounds;
+mod prefetch;
 mod sah;
 mod shaft;
 mod single;

@@ -8,6 +8,7 @@
 use super::culling_packet::{CullingPacket, intersect_box};
 use super::leaf_visitor::{LeafVisitor, traverse_singly};
 use super::node::{Bvh, Child};
+use super::prefetch::prefetch_children;
 use super::shaft::Shaft;
 use super::stream::{self, Stream};
 use crate::simd::{Simd, WIDTH, load, vectorize};
@@ -61,6 +62,7 @@ impl<Leaf> Bvh<Leaf> {
             return;
         }
         let TraversalScratch { packet, pending, stream } = scratch;
+        let is_large = self.is_large();
         vectorize!(simd, {
             let shaft = Shaft::around(simd, packet, active);
             let mut height = 0;
@@ -73,7 +75,7 @@ impl<Leaf> Bvh<Leaf> {
                         traverse_singly(simd, &self.nodes, child, active, packet, visitor);
                     } else if shaft.is_none() || height + WIDTH > STACK {
                         let stream = stream.get_or_insert_with(|| Box::new(Stream::EMPTY));
-                        stream::traverse(simd, &self.nodes, child, active, packet, stream, visitor);
+                        stream::traverse(simd, self, child, active, packet, stream, visitor);
                     } else if let Some(shaft) = &shaft {
                         let node = &self.nodes[child.index()];
                         let [a, b, c, d, e, f] = &node.planes;
@@ -83,6 +85,9 @@ impl<Leaf> Bvh<Leaf> {
                         let mut distances = [0.0; WIDTH];
                         enter.store_array(&mut distances);
                         push(pending, &mut height, child.index() as u32, [met, within], active, &distances);
+                        if is_large {
+                            prefetch_children(&self.nodes, node, met, |leaf| visitor.prefetch(leaf));
+                        }
                     }
                 }
                 if height == 0 {

@@ -7,7 +7,8 @@
 
 use super::culling_packet::CullingPacket;
 use super::leaf_visitor::{LeafVisitor, traverse_singly};
-use super::node::{Child, Node};
+use super::node::{Bvh, Child, Node};
+use super::prefetch::prefetch;
 use super::single::DONE;
 use crate::simd::packet::{PACKET, lanes_in};
 use crate::simd::{
@@ -72,6 +73,14 @@ impl Stream {
         item: [0; PACKET * WIDTH],
         leaf: [0; PACKET * WIDTH],
     };
+
+    /// Prefetches what is visited next; leaves by `prefetch_leaf`.
+    #[inline(never)]
+    fn prefetch_scheduled(&self, nodes: &[Node], prefetch_leaf: impl Fn(usize)) {
+        for list in [&self.nodes, &self.leaves] {
+            (0..list.count).for_each(|index| prefetch(nodes, list.get(index).1, &prefetch_leaf));
+        }
+    }
 
     /// Puts a ray on the list of what it visits next: `child`, entered at `near`, or what is pending if that is beyond
     /// the limit.
@@ -177,21 +186,25 @@ fn intersect_boxes<S: Simd>(simd: S, packet: &CullingPacket, node: &Node, lane: 
 }
 
 /// Has `visitor` test every leaf below `start` whose box an active ray may meet at a t up to its limit.
-pub fn traverse<S: Simd>(
+pub fn traverse<S: Simd, Leaf>(
     simd: S,
-    nodes: &[Node],
+    tree: &Bvh<Leaf>,
     start: Child,
     active: u64,
     packet: &mut CullingPacket,
     stream: &mut Stream,
     visitor: &mut impl LeafVisitor<S>,
 ) {
+    let (nodes, is_large) = (&tree.nodes, tree.is_large());
     vectorize!(simd, {
         for lane in lanes_in(active) {
             stream.height[lane] = 0;
             stream.schedule(lane, 0.0, start.bits(), packet.limit(lane));
         }
         while stream.nodes.count + stream.leaves.count != 0 {
+            if is_large {
+                stream.prefetch_scheduled(nodes, |leaf| visitor.prefetch(leaf));
+            }
             for index in 0..stream.nodes.drain() {
                 let (lane, child) = stream.nodes.get(index);
                 if !stream.visit_node(simd, &nodes[child.index()], lane, packet) {

@@ -31,6 +31,7 @@
 
 use super::build::{self, Item};
 use super::node::Bvh;
+use super::prefetch::prefetch_lines;
 use super::space::{BOX_MARGIN, CullingSpace};
 use crate::objects::Aabb;
 use crate::simd::{Eight, Simd, WIDTH, bits_of, f32x8, flip_sign, load, load3, splat, splat3};
@@ -200,6 +201,13 @@ impl TriangleBlock {
             planes[axis + 3] = a.max(b).max(c) - center[axis] + BOX_MARGIN;
         }
         planes
+    }
+
+    /// Prefetches the block.
+    #[inline(always)]
+    pub fn prefetch(&self) {
+        prefetch_lines(self.corners.as_flattened());
+        prefetch_lines(&self.indices);
     }
 
     /// Returns a mask of all triangles.

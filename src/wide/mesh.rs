@@ -219,6 +219,11 @@ impl<S: Simd, const ANY: bool> LeafVisitor<S> for BlockVisitor<'_, '_, ANY> {
     }
 
     #[inline(always)]
+    fn prefetch(&self, leaf: usize) {
+        self.tree.leaves[leaf].prefetch();
+    }
+
+    #[inline(always)]
     fn candidates(&self, simd: S, leaf: usize, lane: usize, packet: &CullingPacket) -> u32 {
         let ray = packet.splat_ray(simd, lane);
         self.tree.leaves[leaf].candidates(simd, self.center, ray, packet.limit(lane))
