@@ -34,9 +34,9 @@ pub fn build<const LEAF_ITEMS: usize, Leaf: Send>(
     }
     let Collapse { nodes, leaves, .. } = collapse;
     let numbers: Vec<u32> = items.par_iter().map(Item::number).collect();
-    drop(items);
     let leaf = |&(start, count): &(u32, u32)| leaf(&numbers[start as usize..(start + count) as usize]);
-    Bvh { space, nodes, leaves: leaves.par_iter().map(leaf).collect() }
+    let (leaves, ()) = rayon::join(|| leaves.par_iter().map(leaf).collect(), || drop(items));
+    Bvh { space, nodes, leaves }
 }
 
 /// A node of the binary tree. Its first child is the next node.
