@@ -270,15 +270,18 @@ fn render_pictures(
     pictures: &mut [PictureWriter],
 ) -> Result<(Frame, Option<Convergence>), Error> {
     let progress = Shown::new(options);
+    let is_written = !options.keeps_film() && !pictures.is_empty();
+    let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
     let mut frame = if options.pictures().next().is_none() {
         Frame::empty()
+    } else if options.measure.is_adaptive() && is_written {
+        render::render_adaptive_bands(scene, plan, options, limit, writers.collect(), &progress)?
     } else if options.measure.is_adaptive() {
         render::render_adaptive(scene, plan, options, limit, &progress)
     } else if options.measure.convergence.is_some() {
         let (frame, curves) = measure::render_convergence(scene, plan, options, reference, &progress);
         return Ok((frame, Some(curves)));
-    } else if !options.keeps_film() && !pictures.is_empty() {
-        let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
+    } else if is_written {
         render::render_bands(scene, plan, options, writers.collect(), &progress)?
     } else {
         render::render_uniform(scene, plan, options, &progress)

@@ -131,7 +131,7 @@ impl Options {
         let measure = &self.measure;
         let is_compared = measure.reference.is_some() || measure.wants_error_map() || measure.keep_linear;
         let has_background = self.depth.as_ref().is_some_and(|depth| depth.background.is_some());
-        is_compared || measure.is_adaptive() || measure.convergence.is_some() || has_background
+        is_compared || measure.convergence.is_some() || has_background
     }
 
     /// Returns whether the colour picture's file holds numbers instead of bytes.

@@ -157,6 +157,7 @@ impl Drop for StopInPanic<'_, '_> {
 mod tests {
     use super::super::error_estimate::ErrorSums;
     use super::super::rendered_tile::TileCost;
+    use super::super::tiles::Silent;
     use super::*;
     use crate::options::Region;
     use crate::ray_counts::RayCounts;
@@ -164,12 +165,6 @@ mod tests {
     use std::time::Duration;
 
     const PLANES: Planes = Planes { color: false, depth: true, normals: false, linear: false, error_map: false };
-
-    struct Silent;
-
-    impl Progress for Silent {
-        fn advance(&self, _: usize, _: usize) {}
-    }
 
     /// Keeps all rows, and fails at a row.
     struct Rows {

@@ -49,14 +49,14 @@ impl Finishing {
         part.mul_f64(self.crowding / share) + self.time_of_memory(options)
     }
 
-    /// Returns how long it takes to get the memory of the film, and to give back all. What is written gets memory of the
+    /// Returns how long it takes to get the memory of the film, if there is one, and to give back all. What is written gets memory of the
     /// system.
     fn time_of_memory(&self, options: &Options) -> Duration {
         /// The share that giving back has in the time of memory.
         const GIVING_BACK: f64 = 0.25;
         let planes = Planes::wanted_by(options);
         let tiles = TileSamples::bytes_per_pixel(planes) as f64;
-        let film = planes.bytes_per_pixel() as f64;
+        let film = if options.keeps_film() { planes.bytes_per_pixel() as f64 } else { 0.0 };
         let file = if options.color_is_numbers() { 12.0 } else { 0.0 };
         let pixels = f64::from(options.width) * f64::from(options.height);
         Duration::from_secs_f64(self.memory * pixels * (GIVING_BACK * tiles + film + file))

@@ -14,6 +14,7 @@ mod error_map;
 mod finishing;
 mod frame;
 mod in_flight;
+mod passes;
 mod pilot;
 mod pixel;
 mod preview;
@@ -29,7 +30,7 @@ mod tracer;
 mod uniform;
 mod unseen;
 
-pub use adaptive::render as render_adaptive;
+pub use adaptive::{render as render_adaptive, render_bands as render_adaptive_bands};
 pub use depth::{has_hit_between, with_background as depths_with_background, with_range as with_depth_range};
 pub use frame::{Frame, SampleCounts};
 pub use pixel::Pixel;
@@ -52,20 +53,17 @@ pub fn bytes_needed(options: &Options) -> u64 {
     let has_background = options.depth.as_ref().is_some_and(|depth| depth.background.is_some());
     let of_background = if has_background { 4 } else { 0 };
     let of_findings = of_background + if options.cost.is_some() { 3 * 4 + 3 * 3 } else { 0 };
+    let measure = &options.measure;
+    let has_sums = measure.is_adaptive() || measure.convergence.is_some();
+    let sums = if has_sums { TileSamples::bytes_per_pixel(planes) } else { 0 };
     if !options.keeps_film() {
         let tiles = Tiles { region: options.shown() };
         let exr = if options.color_is_exr() { 12 * options.pixel_count() } else { 0 };
         return in_flight::bytes_in_flight(tiles, planes)
             .min(options.pixel_count() * planes.bytes_per_pixel() as u64)
-            + options.pixel_count() * of_findings as u64
+            + options.pixel_count() * (sums + of_findings) as u64
             + exr;
     }
-    let measure = &options.measure;
-    let sums = if measure.is_adaptive() || measure.convergence.is_some() {
-        TileSamples::bytes_per_pixel(planes)
-    } else {
-        0
-    };
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
     options.pixel_count() * (films * planes.bytes_per_pixel() + sums + of_findings) as u64

@@ -13,6 +13,7 @@ pub struct RenderedTile {
 }
 
 /// What a tile has cost, and how wrong it is.
+#[derive(Default)]
 pub struct TileCost {
     pub pixels: u64,
     /// Of each pixel.

@@ -65,7 +65,8 @@ pub struct Wanted {
 impl TileSamples {
     /// Returns the bytes for each pixel, with the numbers that the allocation of samples keeps.
     pub fn bytes_per_pixel(planes: Planes) -> usize {
-        let colors = if planes.color { 2 * size_of::<Vector3>() + size_of::<HalvesError>() } else { 0 };
+        let colors =
+            if planes.color || planes.linear { 2 * size_of::<Vector3>() + size_of::<HalvesError>() } else { 0 };
         let others = if planes.depth || planes.normals { size_of::<Pixel>() } else { 0 };
         size_of::<u32>() + colors + others + 4 * size_of::<f32>()
     }
@@ -86,6 +87,15 @@ impl TileSamples {
             errors: ErrorSums::default(),
             counts: RayCounts::default(),
         }
+    }
+
+    /// Gives its memory back.
+    pub fn free(&mut self) {
+        self.samples = Vec::new();
+        self.colors = Vec::new();
+        self.in_second = Vec::new();
+        self.halves_errors = Vec::new();
+        self.others = Vec::new();
     }
 
     /// Returns the number of its pixels.

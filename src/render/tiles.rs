@@ -19,6 +19,13 @@ pub trait Progress: Sync {
     fn add_rays(&self, _count: u64) {}
 }
 
+/// Tells nobody.
+pub struct Silent;
+
+impl Progress for Silent {
+    fn advance(&self, _done: usize, _total: usize) {}
+}
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Tile {
@@ -51,6 +58,12 @@ impl Tiles {
         let Region { width, height, .. } = self.region;
         let (width, height) = (TILE.min(width - x), TILE.min(height - row));
         Tile { x: self.region.x + x, row: self.region.row + row, width, height }
+    }
+
+    /// Returns the number of a tile.
+    pub fn number_of(&self, tile: &Tile) -> usize {
+        let (column, row) = ((tile.x - self.region.x) / TILE, (tile.row - self.region.row) / TILE);
+        row as usize * self.columns() + column as usize
     }
 
     /// Returns the pixels of a whole band.
