@@ -66,13 +66,19 @@ impl Finishing {
 /// Returns how many seconds it takes to get a byte of memory, to write it and to give it back.
 fn seconds_for_a_byte() -> f64 {
     const BYTES: usize = 1 << 21;
-    // The shortest of some tries was not interrupted by other programs.
-    let tries = (0..3).map(|_| {
+    const TRIES: u32 = 3;
+    let blocks = (0..TRIES).map(|_| {
         let start = Instant::now();
-        drop(black_box(vec![1_u8; BYTES]));
-        start.elapsed().as_secs_f64() / BYTES as f64
+        (black_box(vec![1_u8; BYTES]), start.elapsed())
     });
-    tries.fold(f64::INFINITY, f64::min)
+    // All are kept, because a block that was given back is had again for nothing.
+    let (blocks, times): (Vec<_>, Vec<_>) = blocks.unzip();
+    let start = Instant::now();
+    drop(blocks);
+    let giving_back = start.elapsed() / TRIES;
+    // The shortest try was not interrupted by other programs.
+    let getting = times.into_iter().min().unwrap_or_default();
+    (getting + giving_back).as_secs_f64() / BYTES as f64
 }
 
 /// Returns the tiles that stand for all: in the middle of the picture, so few that they take almost no time, and so
@@ -87,7 +93,7 @@ pub fn tried(tiles: usize) -> Range<usize> {
 fn time_of_part<T>(options: &Options, tiles: &[T], finished: impl Fn(&T) -> Option<Film>) -> Option<Duration> {
     let start = Instant::now();
     let films: Vec<Film> = tiles.iter().filter_map(finished).collect();
-    let finishing = start.elapsed().div_f64(threads());
+    let finishing = start.elapsed();
     let start = Instant::now();
     let sides = || films.iter().map(|film| (film.width, film.height));
     let (width, height) = (sides().map(|side| side.0).sum(), sides().map(|side| side.1).max()?);
@@ -97,24 +103,32 @@ fn time_of_part<T>(options: &Options, tiles: &[T], finished: impl Fn(&T) -> Opti
         strip.place(x, 0, film);
         x += film.width;
     }
-    Some(finishing + start.elapsed() + time_to_encode(options, &strip))
+    let joining = start.elapsed();
+    let files = times_to_encode(options, &strip);
+    let (all, longest) = (files.iter().sum::<Duration>(), files.into_iter().max().unwrap_or_default());
+    if options.keeps_film() {
+        return Some(finishing.div_f64(threads()) + joining + all.div_f64(threads()).max(longest));
+    }
+    // Bands are finished while others are encoded; a file is encoded by one thread at a time.
+    Some((finishing + joining + all).div_f64(threads()).max(longest))
 }
 
-/// Returns how long it takes to encode a film's pictures: one thread each.
-fn time_to_encode(options: &Options, film: &Film) -> Duration {
-    let start = Instant::now();
+/// Returns how long it takes to encode each of a film's pictures.
+fn times_to_encode(options: &Options, film: &Film) -> Vec<Duration> {
     let color = film.color.as_ref().filter(|_| !options.color_is_numbers());
-    let planes: Vec<_> = [color, film.normals.as_ref(), film.depth.as_ref()].into_iter().flatten().collect();
-    for plane in &planes {
-        // An error would come again when the picture is written, and be reported.
-        drop(encode_png(film.width, film.height, plane));
-    }
-    let png = start.elapsed().div_f64(threads().min(planes.len().max(1) as f64));
-    let start = Instant::now();
+    let planes = [color, film.normals.as_ref(), film.depth.as_ref()].into_iter().flatten();
+    let timed = |encode: &dyn Fn()| {
+        let start = Instant::now();
+        encode();
+        start.elapsed()
+    };
+    // An error would come again when the picture is written, and be reported.
+    let mut times: Vec<_> =
+        planes.map(|plane| timed(&|| drop(encode_png(film.width, film.height, plane)))).collect();
     if let (Some(path), Some(numbers), true) = (&options.color, &film.linear, options.color_is_numbers()) {
-        drop(encode_numbers(path, film.width, film.height, numbers));
+        times.push(timed(&|| drop(encode_numbers(path, film.width, film.height, numbers))));
     }
-    png + start.elapsed()
+    times
 }
 
 fn threads() -> f64 {
