@@ -32,7 +32,7 @@ complete -c a2 -o diff -d 'A, B and their differences side by side, .png' -r -F
 complete -c a2 -o tolerance -d 'What counts as alike [1 0.01]' -r -f
 complete -c a2 -o check -d 'Read all files and find mistakes, render nothing'
 complete -c a2 -o shadows -d 'A light is blocked by what stands before it'
-complete -c a2 -o jitter -d '16 random samples a pixel, not one in the middle'
+complete -c a2 -o jitter -d '16 random samples a pixel, not one in its corner'
 complete -c a2 -o filter -d 'Smooth: render 3 times as large, then shrink'
 complete -c a2 -o robust -d 'Right at every scale, not the course\'s shortcuts'
 complete -c a2 -o stats -d 'Print times, rays, memory and estimated error'

@@ -80,7 +80,7 @@ const QUALITY: &[Flag] = &[
     flag(
         "jitter",
         &[],
-        "16 random samples a pixel, not one in the middle",
+        "16 random samples a pixel, not one in its corner",
         "One lies in each cell of a 4 x 4 grid.",
     ),
     flag("samples", &["N"], "As many random samples a pixel [16]", "N is at most 65536. It implies -jitter."),
