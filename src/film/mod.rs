@@ -3,6 +3,8 @@
 //! Depths and normals must already be mapped to \[0, 1\]. Nothing here knows of rays or scenes.
 
 mod canvas;
+#[cfg(feature = "exr")]
+mod exr;
 mod label;
 mod numbers;
 mod picture_writer;

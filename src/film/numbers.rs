@@ -1,13 +1,14 @@
 //! Pictures of `f32` numbers instead of bytes, for errors to be measured before clamping and truncation: PFM, written
-//! here, and OpenEXR, by the crate `image` (cargo feature `exr`).
+//! here, and OpenEXR (cargo feature `exr`).
 //!
 //! PFM (Debevec's portable float map): `PF`, width and height, `-1.0` for little-endian, then three `f32` a pixel, rows
 //! from the bottom.
 
+#[cfg(feature = "exr")]
+use super::exr::ExrEncoder;
 use crate::error::Error;
 use crate::options::has_extension;
 use crate::picture_file::{PictureFile, read_bytes};
-use image::{ImageBuffer, ImageFormat, Rgb};
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -26,25 +27,80 @@ fn is_pfm(path: &Path) -> bool {
 /// Encodes a picture in memory, as PFM if the name ends in `.pfm`, otherwise as EXR. `numbers` has three numbers a pixel.
 ///
 /// # Errors
-/// As the library that encodes.
+/// As the library that encodes; without the feature `exr`, for every name that does not end in `.pfm`.
 pub fn encode_numbers(path: &Path, width: u32, height: u32, numbers: &[f32]) -> io::Result<Vec<u8>> {
-    let (mut bytes, size) = (Cursor::new(Vec::new()), (width, height));
-    if is_pfm(path) {
-        bytes.write_all(pfm_header(size).as_bytes())?;
-        write_pfm_rows(&mut bytes, size, 0, numbers)?;
-    } else {
-        encode_exr(&mut bytes, size, numbers)?;
-    }
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = NumberEncoder::new(path, (width, height))?;
+    encoder.write_rows(numbers, &mut bytes)?;
+    encoder.finish(&mut bytes)?;
     Ok(bytes.into_inner())
 }
 
+/// Encodes a picture of three numbers a pixel, row by row.
+pub(super) enum NumberEncoder {
+    Pfm {
+        size: (u32, u32),
+        /// Rows that are written.
+        rows: u32,
+    },
+    #[cfg(feature = "exr")]
+    Exr(Box<ExrEncoder>),
+}
+
+impl NumberEncoder {
+    /// Begins a picture of this size.
+    ///
+    /// # Errors
+    /// As [`encode_numbers`].
+    pub fn new(path: &Path, size: (u32, u32)) -> io::Result<Self> {
+        if is_pfm(path) {
+            return Ok(Self::Pfm { size, rows: 0 });
+        }
+        #[cfg(feature = "exr")]
+        return Ok(Self::Exr(Box::new(ExrEncoder::new(size)?)));
+        #[cfg(not(feature = "exr"))]
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    /// Writes the next rows.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn write_rows(&mut self, numbers: &[f32], file: &mut (impl Write + Seek)) -> io::Result<()> {
+        match self {
+            Self::Pfm { size, rows } => {
+                let first_row = *rows;
+                *rows += (numbers.len() / (3 * size.0 as usize)) as u32;
+                write_pfm_rows(file, *size, first_row, numbers)
+            }
+            #[cfg(feature = "exr")]
+            Self::Exr(encoder) => encoder.write_rows(numbers, file),
+        }
+    }
+
+    /// Writes what is left. All rows must have been written.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn finish(self, file: &mut (impl Write + Seek)) -> io::Result<()> {
+        match self {
+            Self::Pfm { size, .. } => {
+                file.seek(SeekFrom::Start(0))?;
+                file.write_all(pfm_header(size).as_bytes())
+            }
+            #[cfg(feature = "exr")]
+            Self::Exr(encoder) => encoder.finish(file),
+        }
+    }
+}
+
 /// Returns what comes before the numbers of a PFM file.
-pub(super) fn pfm_header((width, height): (u32, u32)) -> String {
+fn pfm_header((width, height): (u32, u32)) -> String {
     format!("PF\n{width} {height}\n-1.0\n")
 }
 
 /// Writes some rows of a PFM file of this size, from `first_row` on, counted from the top.
-pub(super) fn write_pfm_rows(
+fn write_pfm_rows(
     file: &mut (impl Write + Seek),
     size: (u32, u32),
     first_row: u32,
@@ -72,21 +128,6 @@ pub(super) fn write_pfm_rows(
         file.write_all(&bytes)?;
     }
     Ok(())
-}
-
-/// Writes a whole picture as EXR.
-pub(super) fn encode_exr(
-    writer: &mut (impl Write + Seek),
-    (width, height): (u32, u32),
-    numbers: &[f32],
-) -> io::Result<()> {
-    let picture = ImageBuffer::<Rgb<f32>, &[f32]>::from_raw(width, height, numbers);
-    let picture = picture.ok_or_else(|| io::Error::other("there are too few numbers"))?;
-    picture.write_to(writer, ImageFormat::OpenExr).map_err(|error| {
-        // The library calls this an error of decoding; its source says what happened.
-        let source = std::error::Error::source(&error).map(ToString::to_string);
-        io::Error::other(source.unwrap_or_else(|| error.to_string()))
-    })
 }
 
 /// Reads a PFM or EXR file.
@@ -134,15 +175,16 @@ mod tests {
 
     #[test]
     fn written_numbers_are_read_back() {
-        let numbers: Vec<f32> = (0..18).map(|n| n as f32 * 1.7 - 3.0).collect();
         let folder = tempfile::tempdir().unwrap();
         let names = if cfg!(feature = "exr") { ["a.pfm", "a.exr"].as_slice() } else { &["a.pfm"] };
-        for name in names {
+        // The rows of the second are written in two parts.
+        for (name, (width, height)) in names.iter().flat_map(|name| [(name, (2, 3)), (name, (300, 400))]) {
+            let numbers: Vec<f32> = (0..3 * width * height).map(|n| n as f32 * 1.7 - 3.0).collect();
             let path = folder.path().join(name);
-            std::fs::write(&path, encode_numbers(&path, 2, 3, &numbers).unwrap()).unwrap();
+            std::fs::write(&path, encode_numbers(&path, width, height, &numbers).unwrap()).unwrap();
             let read = read_numbers(&path).unwrap();
-            assert_eq!((read.width, read.height), (2, 3));
-            assert_eq!(read.numbers, numbers, "{name}");
+            assert_eq!((read.width, read.height), (width, height));
+            assert!(read.numbers == numbers, "{name}");
         }
     }
 

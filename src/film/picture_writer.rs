@@ -1,13 +1,12 @@
 //! [`PictureWriter`]: writes a plane of a film into a file, band by band.
 
 use super::label::{file_beside, text_beside};
-use super::numbers::{encode_exr, pfm_header, write_pfm_rows};
+use super::numbers::NumberEncoder;
 use super::png::PngEncoder;
 use super::{BandWriter, Film};
 use crate::error::Error;
-use crate::options::has_extension;
 use crate::output::{OutputFile, write_whole};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 /// What of a film a file shows.
@@ -27,18 +26,13 @@ pub struct PictureWriter {
     file: OutputFile,
     plane: Plane,
     format: Format,
-    size: (u32, u32),
-    /// Rows that are written.
-    rows: u32,
     /// A file beside the picture, and the label that it will hold.
     label: Option<(PathBuf, String)>,
 }
 
 enum Format {
     Png(Box<PngEncoder>),
-    Pfm,
-    /// All numbers so far: the library encodes whole pictures only.
-    Exr(Vec<f32>),
+    Numbers(NumberEncoder),
 }
 
 impl PictureWriter {
@@ -46,19 +40,16 @@ impl PictureWriter {
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
-    pub fn new(mut file: OutputFile, plane: Plane, size: (u32, u32), label: Option<&str>) -> Result<Self, Error> {
-        let format = if has_extension(file.name(), "pfm") {
-            file.write_all(pfm_header(size).as_bytes()).map_err(|error| file.refused(&error))?;
-            Format::Pfm
-        } else if has_extension(file.name(), "exr") {
-            Format::Exr(Vec::new())
+    pub fn new(file: OutputFile, plane: Plane, size: (u32, u32), label: Option<&str>) -> Result<Self, Error> {
+        let label_file = file_beside(file.name());
+        let format = if label_file.is_some() {
+            NumberEncoder::new(file.name(), size).map(Format::Numbers)
         } else {
-            let is_grey = plane == Plane::Depth;
-            let encoder = PngEncoder::new(size, is_grey, label).map_err(|error| file.refused(&error))?;
-            Format::Png(Box::new(encoder))
+            PngEncoder::new(size, plane == Plane::Depth, label).map(|encoder| Format::Png(Box::new(encoder)))
         };
-        let label = label.and_then(|label| Some((file_beside(file.name())?, label.to_owned())));
-        Ok(Self { file, plane, format, size, rows: 0, label })
+        let format = format.map_err(|error| file.refused(&error))?;
+        let label = label.and_then(|label| Some((label_file?, label.to_owned())));
+        Ok(Self { file, plane, format, label })
     }
 
     /// Writes what is left, and gives the file its name. All rows must have been written.
@@ -68,11 +59,7 @@ impl PictureWriter {
     pub fn finish(mut self) -> Result<(), Error> {
         let ended = match self.format {
             Format::Png(encoder) => encoder.finish().and_then(|bytes| self.file.write_all(&bytes)),
-            Format::Pfm => Ok(()),
-            Format::Exr(numbers) => {
-                let mut writer = BufWriter::new(&mut self.file);
-                encode_exr(&mut writer, self.size, &numbers).and_then(|()| writer.flush())
-            }
+            Format::Numbers(encoder) => encoder.finish(&mut self.file),
         };
         ended.map_err(|error| self.file.refused(&error))?;
         let Some((path, label)) = self.label else { return self.file.finish() };
@@ -89,8 +76,7 @@ impl PictureWriter {
     }
 
     fn write_band(&mut self, band: &Film) -> io::Result<()> {
-        let (file, first_row) = (&mut self.file, self.rows);
-        self.rows += band.height;
+        let file = &mut self.file;
         let bytes = match self.plane {
             Plane::Color => &band.color,
             Plane::Normals => &band.normals,
@@ -98,11 +84,7 @@ impl PictureWriter {
         };
         match (&mut self.format, bytes, &band.linear) {
             (Format::Png(encoder), Some(bytes), _) => encoder.write_rows(bytes, file),
-            (Format::Pfm, _, Some(numbers)) => write_pfm_rows(file, self.size, first_row, numbers),
-            (Format::Exr(all), _, Some(numbers)) => {
-                all.extend_from_slice(numbers);
-                Ok(())
-            }
+            (Format::Numbers(encoder), _, Some(numbers)) => encoder.write_rows(numbers, file),
             _ => Err(io::Error::other("the film has no such plane")),
         }
     }

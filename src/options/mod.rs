@@ -139,11 +139,6 @@ impl Options {
         self.color.as_ref().is_some_and(|path| !has_extension(path, "png") && !is_standard(path))
     }
 
-    /// Returns whether the colour picture's file is an EXR.
-    pub fn color_is_exr(&self) -> bool {
-        self.color.as_ref().is_some_and(|path| has_extension(path, "exr"))
-    }
-
     /// Returns whether colours are kept as numbers, for a file or for a comparison.
     pub fn keeps_linear(&self) -> bool {
         let wanted = self.color_is_numbers() || self.measure.reference.is_some() || self.measure.keep_linear;

@@ -58,11 +58,9 @@ pub fn bytes_needed(options: &Options) -> u64 {
     let sums = if has_sums { TileSamples::bytes_per_pixel(planes) } else { 0 };
     if !options.keeps_film() {
         let tiles = Tiles { region: options.shown() };
-        let exr = if options.color_is_exr() { 12 * options.pixel_count() } else { 0 };
         return in_flight::bytes_in_flight(tiles, planes)
             .min(options.pixel_count() * planes.bytes_per_pixel() as u64)
-            + options.pixel_count() * (sums + of_findings) as u64
-            + exr;
+            + options.pixel_count() * (sums + of_findings) as u64;
     }
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
