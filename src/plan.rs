@@ -123,7 +123,7 @@ impl Plan {
         let samples = match options.measure.is_adaptive() {
             true => "as many samples as it takes".to_owned(),
             false => {
-                format!("{} a pixel", counted((options.samples() * options.grid_pixels()) as usize, "sample"))
+                format!("{} a pixel", counted(options.samples_a_pixel() as usize, "sample"))
             }
         };
         let _ = writeln!(

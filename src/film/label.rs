@@ -2,7 +2,7 @@
 //! stands in a text chunk of a PNG, and beside a `.pfm` or `.exr` in a file of the same name with `.part` behind it, which
 //! holds the picture's checksum, too.
 
-use crate::options::has_extension;
+use crate::options::format_of_numbers;
 use crate::picture_file::{checksum, has_right_checksums};
 use png::Decoder;
 use std::fs::File;
@@ -16,7 +16,7 @@ pub(super) const KEYWORD: &str = "a2 part";
 pub(super) fn file_beside(picture: &Path) -> Option<PathBuf> {
     let mut name = picture.as_os_str().to_owned();
     name.push(".part");
-    ["pfm", "exr"].iter().any(|extension| has_extension(picture, extension)).then(|| name.into())
+    format_of_numbers(picture).map(|_| name.into())
 }
 
 /// Stands in a file beside a picture between its label and the picture's checksum.

@@ -6,7 +6,7 @@ mod part_reader;
 
 use crate::error::Error;
 use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, is_whole, read_label};
-use crate::options::{MergeOptions, Region, has_extension};
+use crate::options::{MergeOptions, Region, format_of_numbers};
 use crate::output::{self, OutputFile};
 use crate::part::Label;
 use cover::{Problem, Span, spans};
@@ -31,7 +31,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Error> {
     let places: Vec<_> = labels.iter().map(|label| label.place).collect();
     let spans = spans(&places, size).map_err(|problem| refusal(&problem, parts, &places))?;
     let mut writer = PictureWriter::new(file, Plane::Color, size, None)?;
-    let is_png = numbers(output).is_none();
+    let is_png = format_of_numbers(output).is_none();
     let planes = Planes { color: is_png, linear: !is_png, ..Planes::default() };
     let mut readers: Vec<Option<PartReader>> = parts.iter().map(|_| None).collect();
     for Span { rows, parts: active } in spans {
@@ -53,16 +53,11 @@ pub fn merge(options: &MergeOptions) -> Result<(), Error> {
     writer.finish()
 }
 
-/// Returns the format of a picture of numbers; `None` for a PNG.
-fn numbers(path: &Path) -> Option<&'static str> {
-    ["pfm", "exr"].into_iter().find(|extension| has_extension(path, extension))
-}
-
 /// Reads the labels of all parts, which must be of one picture.
 fn labels(output: &Path, parts: &[PathBuf]) -> Result<Vec<Label>, Error> {
     let mut labels: Vec<Label> = Vec::with_capacity(parts.len());
     for path in parts {
-        if numbers(output) != numbers(path) {
+        if format_of_numbers(output) != format_of_numbers(path) {
             return Err(Error::file(path, format!("its name must end as that of '{}'", output.display())));
         }
         let label = read_label(path).as_deref().and_then(Label::parse);

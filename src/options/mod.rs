@@ -109,6 +109,11 @@ impl Options {
         if self.filter { 9 } else { 1 }
     }
 
+    /// Returns the number of samples of a pixel of the picture.
+    pub fn samples_a_pixel(&self) -> u32 {
+        self.samples() * self.grid_pixels()
+    }
+
     /// Returns the part of the picture that is rendered.
     pub fn shown(&self) -> Region {
         self.region.unwrap_or(Region::whole(self.width, self.height))
@@ -219,6 +224,11 @@ impl Default for Epsilon {
     fn default() -> Self {
         Self::Along(STARTER_EPSILON)
     }
+}
+
+/// Returns the format of a picture of numbers by its name; `None` for one of bytes.
+pub fn format_of_numbers(path: &Path) -> Option<&'static str> {
+    ["pfm", "exr"].into_iter().find(|extension| has_extension(path, extension))
 }
 
 /// Returns whether a file's name ends in `.extension`, in capitals or not.

@@ -99,7 +99,7 @@ fn frame(film: Film, totals: Totals, options: &Options) -> Frame {
 }
 
 fn estimate(errors: &ErrorSums, options: &Options) -> Option<ErrorEstimate> {
-    errors.estimate(set_kind(options), options.samples() * options.grid_pixels())
+    errors.estimate(set_kind(options), options.samples_a_pixel())
 }
 
 /// Renders tiles: makes rays of their pixels, traces them, and makes pixels of what they see.
@@ -147,7 +147,7 @@ impl<'a> TileRenderer<'a> {
 
     fn render(&mut self, tile: &Tile) -> RenderedTile {
         let places: Vec<_> = tile.pixels().collect();
-        let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
+        let rays_a_pixel = self.options.samples_a_pixel() as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         let mut pixels = Vec::with_capacity(places.len());
         let is_whole = places.chunks(pixels_at_once).all(|places| self.resolve(places, &mut pixels));
@@ -159,7 +159,7 @@ impl<'a> TileRenderer<'a> {
     fn fill(&mut self, tile: &Tile, empty: &EmptyTiles) -> RenderedTile {
         let seen = empty.seen_through(tile, &mut *self.tracer);
         // Summed up like any other pixel, because sums round.
-        let rays_a_pixel = (self.options.grid_pixels() * self.options.samples()) as usize;
+        let rays_a_pixel = self.options.samples_a_pixel() as usize;
         let pixel = self.maker.mean(&vec![seen; rays_a_pixel]);
         let pixels = vec![pixel; (tile.width * tile.height) as usize];
         self.errors.add_exact(pixels.len() as u64);

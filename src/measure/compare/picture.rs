@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::film::{NumberPicture, read_numbers, to_byte};
-use crate::options::has_extension;
+use crate::options::format_of_numbers;
 use crate::picture_file::PictureFile;
 use image::{DynamicImage, RgbImage};
 use std::path::Path;
@@ -52,7 +52,7 @@ impl Picture {
     /// # Errors
     /// [`Error::File`] when it cannot be read.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        if ["pfm", "exr"].iter().any(|extension| has_extension(path, extension)) {
+        if format_of_numbers(path).is_some() {
             let NumberPicture { width, height, numbers } = read_numbers(path)?;
             return Ok(Self { size: (width, height), channels: Channels::Numbers(numbers), alpha: None });
         }
