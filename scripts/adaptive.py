@@ -103,6 +103,8 @@ def main():
                       "|---" * (len(TARGETS) + 1) + "|"]
             for scene in batch.read():
                 lines.append(f"| {scene.short_name} | " + " | ".join(costs(folder, scene, size)) + " |")
+    lines += ["", "Adaptive sampling begins with two samples of every pixel. Where few samples are enough, as 3 to 10 for 0.5 levels "
+              "at 800 x 800, these alone take up to two thirds of the time of a fixed number."]
     (batch.PROJECT / "docs" / "adaptive-sampling.md").write_text("\n".join(lines) + "\n")
 
 
