@@ -39,7 +39,7 @@ impl fmt::Display for Error {
             Self::Usage(message) => write!(f, "{message}\nhint: 'a2 -h' lists the flags"),
             Self::Source(error) => error.fmt(f),
             Self::Several(errors) => {
-                errors.iter().take(MOST_SHOWN).try_for_each(|error| write!(f, "{error}\n\nerror: "))?;
+                errors.iter().try_for_each(|error| write!(f, "{error}\n\nerror: "))?;
                 f.write_str(&number_of(errors))
             }
             Self::File { path, message } => write!(f, "{}: {message}", path.display()),
@@ -61,9 +61,11 @@ impl Error {
         Self::file(path, format!("cannot {action}: {error}"))
     }
 
-    /// Makes one error of several mistakes, in the order of their places. There must be one at least.
+    /// Makes one error of several mistakes, in the order of their places, and of the first [`MOST_SHOWN`] where there are
+    /// more. There must be one at least.
     pub fn all(mut errors: Vec<Self>) -> Self {
         errors.sort_by(|a, b| a.place().cmp(&b.place()));
+        errors.truncate(MOST_SHOWN);
         match errors.len() {
             1 => errors.swap_remove(0),
             _ => Self::Several(errors),
@@ -85,8 +87,7 @@ impl Error {
         match self {
             Self::Source(error) => error.rendered(&Renderer::styled()),
             Self::Several(errors) => {
-                let shown: String =
-                    errors.iter().take(MOST_SHOWN).map(|error| error.report(true) + "\n\n").collect();
+                let shown: String = errors.iter().map(|error| error.report(true) + "\n\n").collect();
                 format!("{shown}{STYLED_ERROR}: {}", number_of(errors))
             }
             _ => format!("{STYLED_ERROR}: {self}"),
