@@ -103,8 +103,13 @@ impl<'a> Fields<'a> {
             [] | [_] => error,
             open if self.unended(self.source.text.len()).as_ref() != open.last() => error,
             open => {
-                let open: Vec<String> = open.iter().map(|block| self.named(*block)).collect();
-                error.with_note(format!("these blocks have no '}}': {}", open.join(", ")))
+                /// The innermost ones are named.
+                const NAMED: usize = 8;
+                let others = open.len().saturating_sub(NAMED);
+                let named = open[others..].iter().map(|block| self.named(*block));
+                let blocks: Vec<String> =
+                    (others > 0).then(|| format!("{others} others")).into_iter().chain(named).collect();
+                error.with_note(format!("these blocks have no '}}': {}", blocks.join(", ")))
             }
         }
     }
