@@ -25,7 +25,7 @@ use super::tiles::{Progress, Silent, Tile, Tiles, decode_faces_ahead};
 use super::tracer::tracer;
 use super::unseen::Unseen;
 use crate::error::Error;
-use crate::film::{BandWriter, Film, FilmWriter, Planes};
+use crate::film::{BandWriter, FilmWriter, Planes};
 use crate::options::{Options, Region, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
@@ -33,7 +33,6 @@ use crate::scene::Scene;
 use crate::timing::Deadline;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
 
 /// Number of the preview's sample set. The sets of the picture's halves begin at 0 and never get this far.
 const PREVIEW_SET: u32 = 1 << 30;
@@ -78,7 +77,7 @@ fn sample(
 ) -> Result<(Frame, Option<ErrorEstimate>), Error> {
     decode_faces_ahead(scene, plan, options);
     let bands = Tiles { region: Region::whole(options.width, options.height) };
-    let tiles = (0..bands.count()).into_par_iter().map(|number| bands.tile(number));
+    let tiles = Tile::all(options.width, options.height).into_par_iter();
     let maker = RayMaker::new(options);
     let empty = EmptyTiles::new(scene, plan, options, &maker);
     let (kind, halves) = match options.measure.sampler {
@@ -217,29 +216,25 @@ impl Picture<'_> {
         let planes = Planes::wanted_by(self.options);
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         counts += self.pilot.unwrap_or_default();
-        let mut samples = SampleCounts { passes: self.passes, ..SampleCounts::default() };
-        for tile in self.tiles.iter().filter_map(|tile| tile.lock().ok()) {
-            tile.count_samples(&mut samples);
-            counts += tile.counts;
-        }
         let finished = |tile: &Tile| {
             let place = self.bands.number_of(tile);
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             let mut samples = self.tiles[place].lock().unwrap_or_else(PoisonError::into_inner);
             let film = samples.film(preview.as_ref(), planes);
+            let (counted, counts) = (samples.count_samples(), samples.counts);
             samples.free();
-            RenderedTile { film, cost: TileCost::default() }
+            RenderedTile { film, cost: TileCost { samples: counted, counts, ..TileCost::default() } }
         };
         let bands = Bands::new(self.bands, planes, writers);
         let totals = bands.render(&Silent, &|| Box::new(finished))?;
+        counts += totals.counts;
+        let samples = SampleCounts { passes: self.passes, ..totals.samples };
         let estimate = match &preview {
             Some(preview) if samples.unreached > 0 => {
                 Some(of_samples.unwrap_or_default().with_rest(samples.reached(), preview.error()))
             }
             _ => of_samples,
         };
-        let film = Film::new(0, 0, Planes::default());
-        let frame = Frame { film, counts, samples, estimate, filter: Duration::ZERO, writing: totals.writing };
-        Ok((frame, of_samples))
+        Ok((Frame { counts, samples, estimate, writing: totals.writing, ..Frame::empty() }, of_samples))
     }
 }

@@ -156,6 +156,7 @@ impl Drop for StopInPanic<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::super::error_estimate::ErrorSums;
+    use super::super::frame::SampleCounts;
     use super::super::rendered_tile::TileCost;
     use super::super::tiles::Silent;
     use super::*;
@@ -196,7 +197,10 @@ mod tests {
         film.depth = Some(tile.pixels().map(|(x, row)| (x + row) as u8).collect());
         let (counts, errors) = (RayCounts::default(), ErrorSums::default());
         let pixels = u64::from(tile.width * tile.height);
-        RenderedTile { film, cost: TileCost { pixels, samples: 1, counts, errors, filter: Duration::ZERO } }
+        RenderedTile {
+            film,
+            cost: TileCost { samples: SampleCounts::of_pixels(pixels, 1), counts, errors, filter: Duration::ZERO },
+        }
     }
 
     fn run(tiles: Tiles, writers: &mut [Rows]) -> Result<Totals, Error> {

@@ -59,6 +59,22 @@ impl SampleCounts {
         self.unreached += if samples == 0 { pixels } else { 0 };
     }
 
+    /// Returns the counts of pixels with so many samples each.
+    pub fn of_pixels(pixels: u64, samples: u32) -> Self {
+        let mut counts = Self::default();
+        counts.add_pixels(pixels, samples);
+        counts
+    }
+
+    /// Adds the pixels of another part of the picture.
+    pub fn merge(&mut self, other: &Self) {
+        self.pixels += other.pixels;
+        self.total += other.total;
+        self.least = self.least.into_iter().chain(other.least).min();
+        self.most = self.most.max(other.most);
+        self.unreached += other.unreached;
+    }
+
     /// Returns the share of the pixels that have samples.
     pub fn reached(&self) -> f64 {
         1.0 - self.unreached as f64 / self.pixels.max(1) as f64

@@ -15,9 +15,7 @@ pub struct RenderedTile {
 /// What a tile has cost, and how wrong it is.
 #[derive(Default)]
 pub struct TileCost {
-    pub pixels: u64,
-    /// Of each pixel.
-    pub samples: u32,
+    pub samples: SampleCounts,
     pub counts: RayCounts,
     pub errors: ErrorSums,
     /// Time spent on turning samples into pixels; zero unless it is measured.
@@ -39,7 +37,7 @@ impl Totals {
     /// Adds a tile. They are added in their order, because sums of errors are rounded.
     pub fn add(&mut self, tile: TileCost) {
         self.counts += tile.counts;
-        self.samples.add_pixels(tile.pixels, tile.samples);
+        self.samples.merge(&tile.samples);
         self.errors = ErrorSums::total([self.errors, tile.errors]);
         self.filter += tile.filter;
     }

@@ -129,12 +129,14 @@ impl TileSamples {
         self.samples.iter().copied().filter(|&samples| samples > 0).min()
     }
 
-    /// Adds the samples of all pixels to counts.
-    pub fn count_samples(&self, counts: &mut SampleCounts) {
+    /// Counts the samples of all pixels.
+    pub fn count_samples(&self) -> SampleCounts {
         if self.samples.is_empty() {
-            counts.add_pixels(self.pixels() as u64, self.samples(0));
+            return SampleCounts::of_pixels(self.pixels() as u64, self.samples(0));
         }
+        let mut counts = SampleCounts::default();
         self.samples.iter().for_each(|&samples| counts.add_pixels(1, samples));
+        counts
     }
 
     /// Returns the squared error of a pixel in squared levels, the largest if it has no samples.

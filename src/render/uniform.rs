@@ -4,7 +4,7 @@ use super::bands::Bands;
 use super::empty_tiles::EmptyTiles;
 use super::error_estimate::{ErrorEstimate, ErrorSums};
 use super::error_map;
-use super::frame::Frame;
+use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, filter_weight, finite, store};
 use super::rays::RayMaker;
 use super::rendered_tile::{RenderedTile, TileCost, Totals};
@@ -172,8 +172,7 @@ impl<'a> TileRenderer<'a> {
         store(pixels, &mut film);
         film.set_variances(self.variances.drain(..));
         let cost = TileCost {
-            pixels: pixels.len() as u64,
-            samples,
+            samples: SampleCounts::of_pixels(pixels.len() as u64, samples),
             counts: self.tracer.take_counts(),
             errors: std::mem::take(&mut self.errors),
             filter: std::mem::take(&mut self.filter),
