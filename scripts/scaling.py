@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Measures how the time of `a2` grows with the work: one table for each quantity, with slopes.
 
-    scripts/scaling.py [--a2 target/release/a2] [--meshes FOLDER] [--repeats N] [--only WORD]
+    scripts/scaling.py [--a2 target/release/a2] [--meshes FOLDER] [--repeats N] [--only WORD] [--threads 1,2,4]
+
+The last table, "threads", has whole processes with 1, 2, 4 ... threads, up to as many as the processor has, in turn.
 
 A slope is log(time ratio)/log(work ratio) between neighbouring rows: 1 means that twice the work takes twice the time,
 0 that it costs nothing. Times are medians of whole processes. The time of the same job at 1 x 1 pixels is subtracted if
@@ -11,6 +13,7 @@ missing ones are left out.
 
 import argparse
 import math
+import os
 import statistics
 import subprocess
 import tempfile
@@ -57,12 +60,39 @@ def seconds(command, repeats):
     return statistics.median(times)
 
 
+def thread_table(args, folder):
+    """Prints how many times as fast whole processes are with more threads; `args.threads` begins with 1."""
+    flags = ["-bounces", 4, "-shadows"]
+    three = ["-normals", folder / "n.png", "-depth", 8, 18, folder / "d.png"]
+    jobs = {
+        "scene01, 4,000 x 4,000": ["-input", ROOT / "data/scene01_plane.txt", "-size", 4000, 4000],
+        "scene01, 4,000 x 4,000, three pictures": ["-input", ROOT / "data/scene01_plane.txt", "-size", 4000, 4000, *three],
+        "scene06, 400 x 400, 144 rays a pixel": [
+            *("-input", ROOT / "data/scene06_bunny_1k.txt", "-size", 400, 400, "-jitter", "-filter", *flags)
+        ],
+    }
+    mesh = args.meshes and (args.meshes / "bunny_1m.obj").resolve()
+    if mesh and mesh.exists():
+        file = scene(folder / "mesh.txt", mesh=mesh)
+        jobs["1,024,000 triangles, 1 x 1 pixels: reading and building"] = ["-input", file, "-size", 1, 1]
+    print(f"\n| threads | {' | '.join(f'{n}' for n in args.threads)} |\n|---|{'---|' * len(args.threads)}")
+    for name, job in jobs.items():
+        base = [args.a2, "-quiet", "-output", folder / "o.png", *job, "-threads"]
+        rounds = [[seconds([*base, n], 1) for n in args.threads] for _ in range(args.repeats)]
+        times = [statistics.median(column) for column in zip(*rounds)]
+        cells = [f"{times[0] / time:.2f} ({time:.3f} s)" for time in times]
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--a2", type=Path, default=ROOT / "target" / "release" / "a2")
     parser.add_argument("--meshes", type=Path)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--only", default="")
+    cores = len(os.sched_getaffinity(0))
+    powers = ",".join(str(2**n) for n in range(cores.bit_length()))
+    parser.add_argument("--threads", type=lambda text: [int(n) for n in text.split(",")], default=powers)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
@@ -87,7 +117,6 @@ def main():
             "lights": [(n, {"lights": n}) for n in (1, 4, 16, 64)],
             "bounces": [(n, {"bounces": n, "spheres": 27}) for n in (1, 2, 4, 8)],
             "objects": [(n, {"spheres": n}) for n in (1, 27, 1000, 27_000, 1_000_000)],
-            "threads": [(n, {"threads": n, "size": 800, "flags": ("-jitter",)}) for n in (1, 2)],
         }
         for name, rows in tables.items():
             if args.only not in name:
@@ -101,6 +130,8 @@ def main():
                     slope = f"{math.log(rendering / before[1]) / math.log(work / before[0]):.2f}"
                 print(f"| {work:,} | {rendering:.3f} | {slope} | {loading:.3f} |", flush=True)
                 before = (work, rendering)
+        if args.only in "threads":
+            thread_table(args, folder)
 
 
 if __name__ == "__main__":

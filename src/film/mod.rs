@@ -83,33 +83,9 @@ impl Film {
         }
     }
 
-    /// Sets the colours of all pixels, if the film has a plane for them.
-    pub fn set_colors(&mut self, colors: impl Iterator<Item = Vector3> + Clone) {
-        if let Some(plane) = &mut self.linear {
-            for (numbers, color) in plane.chunks_exact_mut(3).zip(colors.clone()) {
-                numbers.copy_from_slice(&color.to_array().map(|c| c as f32));
-            }
-        }
-        set_bytes(&mut self.color, colors);
-    }
-
-    /// Sets the normals of all pixels, if the film has a plane for them: components from 0 to 1.
-    pub fn set_normals(&mut self, normals: impl Iterator<Item = Vector3>) {
-        set_bytes(&mut self.normals, normals);
-    }
-
-    /// Sets the depths of all pixels, if the film has a plane for them: from 0 to 1.
-    pub fn set_depths(&mut self, depths: impl Iterator<Item = Real>) {
-        if let Some(plane) = &mut self.depth {
-            plane.iter_mut().zip(depths).for_each(|(byte, depth)| *byte = to_byte(depth));
-        }
-    }
-
-    /// Sets the squared errors of all pixels, if the film has a plane for them: in squared byte levels.
-    pub fn set_variances(&mut self, variances: impl Iterator<Item = f32>) {
-        if let Some(plane) = &mut self.variances {
-            plane.iter_mut().zip(variances).for_each(|(number, variance)| *number = variance);
-        }
+    /// Returns a part of the film: so many columns, from the top to the bottom.
+    pub fn columns(&mut self, first: u32, count: u32) -> Columns<'_> {
+        Columns { film: self, first: first as usize, count: count as usize }
     }
 
     /// Returns the picture of the errors: one byte a pixel, in sixteenths of a level.
@@ -131,6 +107,65 @@ impl Film {
         rows.copy(&mut self.normals, &tile.normals, 3);
         rows.copy(&mut self.linear, &tile.linear, 3);
         rows.copy(&mut self.variances, &tile.variances, 1);
+    }
+}
+
+/// Some columns of a film. Pixels come row by row.
+pub struct Columns<'a> {
+    film: &'a mut Film,
+    first: usize,
+    count: usize,
+}
+
+impl Columns<'_> {
+    /// Sets the colours of all pixels, if the film has a plane for them.
+    pub fn set_colors<P>(&mut self, pixels: &[P], color: impl Fn(&P) -> Vector3) {
+        for (row, pixels) in self.rows(|film| &mut film.linear, 3, pixels) {
+            let numbers = row.as_chunks_mut().0.iter_mut();
+            numbers.zip(pixels).for_each(|(numbers, pixel)| *numbers = color(pixel).to_array().map(|c| c as f32));
+        }
+        for (row, pixels) in self.rows(|film| &mut film.color, 3, pixels) {
+            set_bytes(row, pixels, &color);
+        }
+    }
+
+    /// Sets the normals of all pixels, if the film has a plane for them: components from 0 to 1.
+    pub fn set_normals<P>(&mut self, pixels: &[P], normal: impl Fn(&P) -> Vector3) {
+        for (row, pixels) in self.rows(|film| &mut film.normals, 3, pixels) {
+            set_bytes(row, pixels, &normal);
+        }
+    }
+
+    /// Sets the depths of all pixels, if the film has a plane for them: from 0 to 1.
+    pub fn set_depths<P>(&mut self, pixels: &[P], depth: impl Fn(&P) -> Real) {
+        for (row, pixels) in self.rows(|film| &mut film.depth, 1, pixels) {
+            row.iter_mut().zip(pixels).for_each(|(byte, pixel)| *byte = to_byte(depth(pixel)));
+        }
+    }
+
+    /// Returns whether the film has a plane of squared errors.
+    pub fn have_variances(&self) -> bool {
+        self.film.variances.is_some()
+    }
+
+    /// Sets the squared errors of all pixels, if the film has a plane for them: in squared byte levels.
+    pub fn set_variances(&mut self, variances: &[f32]) {
+        for (row, variances) in self.rows(|film| &mut film.variances, 1, variances) {
+            row.copy_from_slice(variances);
+        }
+    }
+
+    /// Iterates over the rows of a plane within the columns, each with its pixels, if the film has this plane.
+    fn rows<'p, T: 'static, P>(
+        &mut self,
+        plane: impl Fn(&mut Film) -> &mut Option<Vec<T>>,
+        channels: usize,
+        pixels: &'p [P],
+    ) -> impl Iterator<Item = (&mut [T], &'p [P])> {
+        let width = self.film.width as usize;
+        let part = channels * self.first..channels * (self.first + self.count);
+        let rows = plane(self.film).iter_mut().flat_map(move |plane| plane.chunks_exact_mut(channels * width));
+        rows.map(move |row| &mut row[part.clone()]).zip(pixels.chunks_exact(self.count))
     }
 }
 
@@ -180,12 +215,9 @@ impl TileRows {
     }
 }
 
-fn set_bytes(plane: &mut Option<Vec<u8>>, colors: impl Iterator<Item = Vector3>) {
-    if let Some(plane) = plane {
-        for (bytes, color) in plane.chunks_exact_mut(3).zip(colors) {
-            bytes.copy_from_slice(&color.to_array().map(to_byte));
-        }
-    }
+fn set_bytes<P>(row: &mut [u8], pixels: &[P], color: impl Fn(&P) -> Vector3) {
+    let bytes = row.as_chunks_mut().0.iter_mut();
+    bytes.zip(pixels).for_each(|(bytes, pixel)| *bytes = color(pixel).to_array().map(to_byte));
 }
 
 /// Returns clamp(trunc(255 c), 0, 255); NaN gives 0. There is no gamma.
@@ -216,14 +248,16 @@ mod tests {
     }
 
     #[test]
-    fn tiles_land_in_their_place_in_every_plane() {
+    fn pixels_land_in_their_place_in_every_plane() {
         let planes = Planes { color: true, depth: true, linear: true, ..Planes::default() };
-        let mut tile = Film::new(2, 2, planes);
-        tile.set_colors((1..5).map(|n| Vector3::splat(n as Real / 255.0)));
-        tile.set_depths((1..5).map(|n| n as Real / 255.0));
-        let mut film = Film::new(3, 3, planes);
-        film.place(1, 1, &tile);
-        let expected = [0, 0, 0, 0, 1, 2, 0, 3, 4];
+        // Two columns of three in a part of a film, and this part below the first row of another.
+        let mut part = Film::new(3, 2, planes);
+        let mut columns = part.columns(1, 2);
+        columns.set_colors(&[1, 2, 3, 4], |&n| Vector3::splat(Real::from(n) / 255.0));
+        columns.set_depths(&[1, 2, 3, 4], |&n| Real::from(n) / 255.0);
+        let mut film = Film::new(4, 3, planes);
+        film.place(1, 1, &part);
+        let expected = [0, 0, 0, 0, 0, 0, 1, 2, 0, 0, 3, 4];
         assert_eq!(film.depth.unwrap(), expected);
         assert_eq!(film.color.unwrap(), expected.map(|byte| [byte; 3]).concat());
         assert_eq!(film.linear.unwrap(), expected.map(|byte| [byte as f32 / 255.0; 3]).concat());

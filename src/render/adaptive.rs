@@ -18,14 +18,14 @@ use super::passes::Picture;
 use super::pilot;
 use super::preview::Preview;
 use super::rays::RayMaker;
-use super::rendered_tile::{RenderedTile, TileCost};
 use super::spread::SetKind;
+use super::tile_cost::TileCost;
 use super::tile_samples::{Halves, TileSamples};
 use super::tiles::{Progress, Silent, Tile, Tiles, decode_faces_ahead};
 use super::tracer::tracer;
 use super::unseen::Unseen;
 use crate::error::Error;
-use crate::film::{BandWriter, FilmWriter, Planes};
+use crate::film::{BandWriter, Columns, FilmWriter, Planes};
 use crate::options::{Options, Region, SamplerKind};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
@@ -216,14 +216,14 @@ impl Picture<'_> {
         let planes = Planes::wanted_by(self.options);
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         counts += self.pilot.unwrap_or_default();
-        let finished = |tile: &Tile| {
+        let finished = |tile: &Tile, film: &mut Columns| {
             let place = self.bands.number_of(tile);
             // A poisoned lock means that another thread has panicked; that panic will be reported.
             let mut samples = self.tiles[place].lock().unwrap_or_else(PoisonError::into_inner);
-            let film = samples.film(preview.as_ref(), planes);
+            samples.store(preview.as_ref(), film);
             let (counted, counts) = (samples.count_samples(), samples.counts);
             samples.free();
-            RenderedTile { film, cost: TileCost { samples: counted, counts, ..TileCost::default() } }
+            TileCost { samples: counted, counts, ..TileCost::default() }
         };
         let bands = Bands::new(self.bands, planes, writers);
         let totals = bands.render(&Silent, &|| Box::new(finished))?;

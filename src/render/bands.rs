@@ -1,27 +1,30 @@
 //! [`Bands`]: a picture on its way from the threads that render it to its writers.
 //!
-//! A band is a row of tiles. Each thread takes the next tile and hands its pixels on; none waits for another to do so. The
-//! thread that finishes the last tile of a band joins them, and then writes what is due: each writer takes the bands from
-//! the top, from one thread at a time, while the others render. A thread that is too far below the first unwritten band
-//! helps with writing, or waits. So some bands are in memory ([`InFlight`]), however high the picture is.
+//! A band is a row of tiles. Each thread takes the next tile, or in a large picture the next run of some, and hands its
+//! pixels on; none waits for another to do so. The thread that finishes the last run of a band joins them, and then writes
+//! what is due: each writer takes the bands from the top, from one thread at a time, while the others render. A thread that
+//! is too far below the first unwritten band helps with writing, or waits. So some bands are in memory ([`InFlight`]),
+//! however high the picture is.
 
-use super::in_flight::{Band, Due, InFlight, locked, most_in_flight};
-use super::rendered_tile::{RenderedTile, Totals};
+use super::in_flight::{Band, Due, InFlight, Run, locked, most_in_flight};
+use super::tile_cost::{TileCost, Totals};
+
 use super::tiles::{Progress, Tile, Tiles};
 use crate::error::Error;
-use crate::film::{BandWriter, Film, Planes};
+use crate::film::{BandWriter, Columns, Film, Planes};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Renders tiles; each thread has its own.
-pub type RenderTile<'a> = Box<dyn FnMut(&Tile) -> RenderedTile + 'a>;
+pub type RenderTile<'a> = Box<dyn FnMut(&Tile, &mut Columns) -> TileCost + 'a>;
 
 /// The bands of a picture.
 pub struct Bands<'a> {
     tiles: Tiles,
     planes: Planes,
-    next_tile: AtomicUsize,
+    next_run: AtomicUsize,
     finished_tiles: AtomicUsize,
     /// Whether a writer had an error, or a thread has panicked.
     is_stopped: AtomicBool,
@@ -36,7 +39,7 @@ impl<'a> Bands<'a> {
         Self {
             tiles,
             planes,
-            next_tile: AtomicUsize::new(0),
+            next_run: AtomicUsize::new(0),
             finished_tiles: AtomicUsize::new(0),
             is_stopped: AtomicBool::new(false),
             in_flight: Mutex::new(InFlight::new(writers)),
@@ -66,29 +69,45 @@ impl<'a> Bands<'a> {
     fn work<'r>(&self, progress: &dyn Progress, renderer: &dyn Fn() -> RenderTile<'r>) {
         let _guard = StopInPanic(self);
         let (mut render, mut band) = (None, None::<Arc<Band>>);
+        let (runs, count) = (self.tiles.runs(), self.tiles.count());
         while !self.is_stopped.load(Ordering::Relaxed) {
-            let number = self.next_tile.fetch_add(1, Ordering::Relaxed);
-            if number >= self.tiles.count() {
+            let number = self.next_run.fetch_add(1, Ordering::Relaxed);
+            let (row, run) = (number / runs, number % runs);
+            if row * self.tiles.columns() >= count {
                 break;
             }
-            let (row, column) = (number / self.tiles.columns(), number % self.tiles.columns());
             if band.as_ref().is_none_or(|band| band.number != row) {
                 // Dropped before waiting, because it may be written, and large.
                 drop(band.take());
                 band = self.entered(row);
             }
             let Some(band) = &band else { break };
-            let rendered = render.get_or_insert_with(renderer)(&self.tiles.tile(number));
-            progress.add_rays(rendered.cost.counts.total());
-            *locked(&band.tiles[column]) = Some(rendered);
-            let finished = self.finished_tiles.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.advance(finished, self.tiles.count());
+            let tiles = self.tiles.of_run(row, run);
+            let rendered = self.rendered(tiles.clone(), render.get_or_insert_with(renderer));
+            progress.add_rays(rendered.costs.iter().map(|cost| cost.counts.total()).sum());
+            *locked(&band.runs[run]) = Some(rendered);
+            let finished = self.finished_tiles.fetch_add(tiles.len(), Ordering::Relaxed) + tiles.len();
+            progress.advance(finished, count);
             if band.unfinished.fetch_sub(1, Ordering::AcqRel) == 1 {
                 self.finish(band);
                 self.write_what_is_due();
             }
         }
         self.write_what_is_due();
+    }
+
+    /// Renders neighbouring tiles of a band, by their numbers.
+    fn rendered(&self, tiles: Range<usize>, render: &mut RenderTile) -> Run {
+        let tiles = tiles.map(|number| self.tiles.tile(number));
+        let (width, height) = tiles.clone().fold((0, 0), |(width, _), tile| (width + tile.width, tile.height));
+        let (mut film, mut x) = (Film::new(width, height, self.planes), 0);
+        let rendered = |tile: Tile| {
+            let cost = render(&tile, &mut film.columns(x, tile.width));
+            x += tile.width;
+            cost
+        };
+        let costs = tiles.map(rendered).collect();
+        Run { film, costs }
     }
 
     /// Returns a band whose tiles are to be rendered, once it may be in flight. `None` if rendering is stopped.
@@ -106,7 +125,7 @@ impl<'a> Bands<'a> {
             };
         }
         let is_stopped = self.is_stopped.load(Ordering::Relaxed);
-        (!is_stopped).then(|| in_flight.band(number, self.tiles.columns()))
+        (!is_stopped).then(|| in_flight.band(number, self.tiles.runs()))
     }
 
     /// Joins the tiles of a band, all of which are finished.
@@ -157,13 +176,13 @@ impl Drop for StopInPanic<'_, '_> {
 mod tests {
     use super::super::error_estimate::ErrorSums;
     use super::super::frame::SampleCounts;
-    use super::super::rendered_tile::TileCost;
     use super::super::tiles::Silent;
     use super::*;
     use crate::options::Region;
     use crate::ray_counts::RayCounts;
     use std::path::Path;
     use std::time::Duration;
+    use vecmath::Real;
 
     const PLANES: Planes = Planes { color: false, depth: true, normals: false, linear: false, error_map: false };
 
@@ -192,15 +211,12 @@ mod tests {
     }
 
     /// A pixel is the sum of its column and its row.
-    fn render(tile: &Tile) -> RenderedTile {
-        let mut film = Film::new(tile.width, tile.height, PLANES);
-        film.depth = Some(tile.pixels().map(|(x, row)| (x + row) as u8).collect());
+    fn render(tile: &Tile, film: &mut Columns) -> TileCost {
+        let pixels: Vec<_> = tile.pixels().collect();
+        film.set_depths(&pixels, |(x, row)| Real::from((x + row) as u8) / 255.0);
         let (counts, errors) = (RayCounts::default(), ErrorSums::default());
         let pixels = u64::from(tile.width * tile.height);
-        RenderedTile {
-            film,
-            cost: TileCost { samples: SampleCounts::of_pixels(pixels, 1), counts, errors, filter: Duration::ZERO },
-        }
+        TileCost { samples: SampleCounts::of_pixels(pixels, 1), counts, errors, filter: Duration::ZERO }
     }
 
     fn run(tiles: Tiles, writers: &mut [Rows]) -> Result<Totals, Error> {
@@ -241,7 +257,9 @@ mod tests {
         let mut writer = rows(u32::MAX);
         let bands = Bands::new(tiles(1 << 18, 320), PLANES, vec![&mut writer]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
-        let render = |tile: &Tile| if tile.row == 32 { panic!("a mistake") } else { render(tile) };
+        let render = |tile: &Tile, film: &mut Columns| {
+            if tile.row == 32 { panic!("a mistake") } else { render(tile, film) }
+        };
         let _ = pool.install(|| bands.render(&Silent, &|| Box::new(render)));
     }
 }

@@ -1,6 +1,6 @@
 //! [`InFlight`]: the bands of a picture that are begun and not yet written by all writers.
 
-use super::rendered_tile::{RenderedTile, TileCost, Totals};
+use super::tile_cost::{TileCost, Totals};
 use super::tiles::Tiles;
 use crate::error::Error;
 use crate::film::{BandWriter, Film, Planes};
@@ -34,10 +34,16 @@ struct Begun {
 /// A band that is being rendered.
 pub struct Band {
     pub number: usize,
-    /// Each tile from when it is finished to when it is joined to the others.
-    pub tiles: Vec<Mutex<Option<RenderedTile>>>,
-    /// Number of tiles that are not finished.
+    /// Each run from when it is finished to when it is joined to the others.
+    pub runs: Vec<Mutex<Option<Run>>>,
+    /// Number of runs that are not finished.
     pub unfinished: AtomicUsize,
+}
+
+/// Neighbouring tiles that are rendered by one thread, and what each of them has cost.
+pub struct Run {
+    pub film: Film,
+    pub costs: Vec<TileCost>,
 }
 
 struct Writer<'a> {
@@ -56,18 +62,18 @@ pub struct Due<'a> {
 }
 
 impl Band {
-    fn new(number: usize, tiles: usize) -> Self {
-        let unfinished = AtomicUsize::new(tiles);
-        Self { number, tiles: (0..tiles).map(|_| Mutex::new(None)).collect(), unfinished }
+    fn new(number: usize, runs: usize) -> Self {
+        let unfinished = AtomicUsize::new(runs);
+        Self { number, runs: (0..runs).map(|_| Mutex::default()).collect(), unfinished }
     }
 
-    /// Joins the tiles, all of which are finished, in a film. Returns their costs.
+    /// Joins the runs, all of which are finished, in a film. Returns their costs.
     pub fn join(&self, film: &mut Film) -> Vec<TileCost> {
-        let (mut costs, mut x) = (Vec::with_capacity(self.tiles.len()), 0);
-        for tile in self.tiles.iter().filter_map(|tile| locked(tile).take()) {
-            film.place(x, 0, &tile.film);
-            x += tile.film.width;
-            costs.push(tile.cost);
+        let (mut costs, mut x) = (Vec::new(), 0);
+        for run in self.runs.iter().filter_map(|run| locked(run).take()) {
+            film.place(x, 0, &run.film);
+            x += run.film.width;
+            costs.extend(run.costs);
         }
         costs
     }
@@ -86,10 +92,10 @@ impl<'a> InFlight<'a> {
         number < self.first + most
     }
 
-    /// Returns a band of so many tiles, which is begun now unless it was before.
-    pub fn band(&mut self, number: usize, tiles: usize) -> Arc<Band> {
+    /// Returns a band of so many runs, which is begun now unless it was before.
+    pub fn band(&mut self, number: usize, runs: usize) -> Arc<Band> {
         while self.first + self.bands.len() <= number {
-            let band = Arc::new(Band::new(self.first + self.bands.len(), tiles));
+            let band = Arc::new(Band::new(self.first + self.bands.len(), runs));
             self.bands.push_back(Begun { band, film: None, costs: Vec::new() });
         }
         Arc::clone(&self.bands[number - self.first].band)

@@ -89,7 +89,7 @@ impl Picture<'_> {
     fn leave_time_to_finish(&mut self, some: Range<usize>) {
         if self.limit.is_set() {
             let planes = Planes::wanted_by(self.options);
-            let finished = |tile: &Mutex<TileSamples>| Some(tile.lock().ok()?.film(None, planes));
+            let finished = |tile: &Mutex<TileSamples>| Some(tile.lock().ok()?.film(planes));
             let share = some.len() as f64 / self.tiles.len() as f64;
             let time = self.finishing.time(self.options, &self.tiles[some], share, finished);
             self.deadline = self.limit.earlier(time);

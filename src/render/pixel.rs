@@ -1,6 +1,6 @@
 //! [`Pixel`]: the displayed values of what a ray saw, and their mean.
 
-use crate::film::Film;
+use crate::film::Columns;
 use crate::trace::Seen;
 use vecmath::{Real, Vector3};
 
@@ -91,11 +91,11 @@ pub fn filtered(block: impl Iterator<Item = Pixel>) -> Pixel {
     mean
 }
 
-/// Stores the pixels of a whole film, row by row.
-pub fn store(pixels: &[Pixel], film: &mut Film) {
-    film.set_colors(pixels.iter().map(|pixel| pixel.color));
-    film.set_normals(pixels.iter().map(|pixel| pixel.normal));
-    film.set_depths(pixels.iter().map(|pixel| pixel.depth));
+/// Stores pixels, row by row.
+pub fn store(pixels: &[Pixel], film: &mut Columns) {
+    film.set_colors(pixels, |pixel| pixel.color);
+    film.set_normals(pixels, |pixel| pixel.normal);
+    film.set_depths(pixels, |pixel| pixel.depth);
 }
 
 #[cfg(test)]

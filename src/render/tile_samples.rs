@@ -6,7 +6,7 @@ use super::pixel::{Pixel, finite, store};
 use super::preview::Preview;
 use super::spread::SetKind;
 use super::tiles::Tile;
-use crate::film::{Film, Planes};
+use crate::film::{Columns, Film, Planes};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
 use crate::trace::Seen;
@@ -230,8 +230,15 @@ impl TileSamples {
         mean
     }
 
+    /// Turns the samples into a picture of the tile.
+    pub fn film(&self, planes: Planes) -> Film {
+        let mut film = Film::new(self.tile.width, self.tile.height, planes);
+        self.store(None, &mut film.columns(0, self.tile.width));
+        film
+    }
+
     /// Turns the samples into the tile's part of the picture. Pixels without samples show the preview.
-    pub fn film(&self, preview: Option<&Preview>, planes: Planes) -> Film {
+    pub fn store(&self, preview: Option<&Preview>, film: &mut Columns) {
         let pixel = |(index, pixel)| match preview {
             Some(preview) if self.samples(index) == 0 => preview.pixel(pixel),
             _ => self.mean(index),
@@ -240,12 +247,10 @@ impl TileSamples {
             Some(pixel) => vec![pixel; self.pixels()],
             None => self.tile.pixels().enumerate().map(pixel).collect(),
         };
-        let mut film = Film::new(self.tile.width, self.tile.height, planes);
-        store(&pixels, &mut film);
-        if planes.error_map {
-            film.set_variances((0..pixels.len()).map(|index| self.variance(index)));
+        store(&pixels, film);
+        if film.have_variances() {
+            film.set_variances(&(0..pixels.len()).map(|index| self.variance(index)).collect::<Vec<_>>());
         }
-        film
     }
 
     /// Adds the errors of all pixels up anew.

@@ -5,10 +5,16 @@ use crate::options::{Options, Region};
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::trace::escape_direction;
+use std::ops::Range;
 
 /// Side of a tile in pixels: so small that all threads get the same work, so large that many neighbouring rays go
 /// together.
 const TILE: u32 = 16;
+
+/// Where there are so many tiles, they are rendered one by one; of more, several at once.
+const TILES_TO_SHARE: usize = 4096;
+/// Largest number of tiles that one thread renders at once.
+const LONGEST_RUN: usize = 8;
 
 /// Called for every finished tile, from any thread.
 pub trait Progress: Sync {
@@ -50,6 +56,23 @@ impl Tiles {
     /// Returns the number of tiles in a band.
     pub fn columns(&self) -> usize {
         self.region.width.div_ceil(TILE) as usize
+    }
+
+    /// Returns the number of runs of a band: of neighbouring tiles that one thread renders at once. In a large picture they
+    /// are longer, so that threads meet less often; in a small one each tile is a run, so that all end at the same time.
+    pub fn runs(&self) -> usize {
+        self.columns().div_ceil(self.run())
+    }
+
+    /// Returns the numbers of the tiles of a run of a band.
+    pub fn of_run(&self, band: usize, run: usize) -> Range<usize> {
+        let (first, end) = (run * self.run(), self.columns().min((run + 1) * self.run()));
+        band * self.columns() + first..band * self.columns() + end
+    }
+
+    /// Returns the number of tiles of a run.
+    fn run(&self) -> usize {
+        (self.count() / TILES_TO_SHARE).clamp(1, LONGEST_RUN)
     }
 
     /// Returns a tile by its number, at its place in the picture.

@@ -7,14 +7,14 @@ use super::error_map;
 use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, filter_weight, finite, store};
 use super::rays::RayMaker;
-use super::rendered_tile::{RenderedTile, TileCost, Totals};
 use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
+use super::tile_cost::{TileCost, Totals};
 use super::tiles::{Progress, Tile, Tiles, decode_faces_ahead};
 use super::tracer::{Tracer, tracer};
 use crate::camera::Place;
 use crate::error::Error;
-use crate::film::{BandWriter, Film, FilmWriter, Planes};
+use crate::film::{BandWriter, Columns, Film, FilmWriter, Planes};
 use crate::options::Options;
 use crate::plan::Plan;
 use crate::scene::Scene;
@@ -22,6 +22,7 @@ use crate::simd::packet::PACKET;
 use crate::timing::Deadline;
 use crate::trace::Seen;
 use crate::wide::PACKETS_AT_ONCE;
+use std::mem::take;
 use std::time::{Duration, Instant};
 use vecmath::Vector3;
 
@@ -87,7 +88,10 @@ fn render_tiles(
     bands.render(progress, &|| {
         let mut renderer = TileRenderer::new(scene, plan, options, deadline, &maker);
         let empty = &empty;
-        Box::new(move |tile| if empty.contain(tile) { renderer.fill(tile, empty) } else { renderer.render(tile) })
+        Box::new(move |tile, film| match empty.contain(tile) {
+            true => renderer.fill(tile, film, empty),
+            false => renderer.render(tile, film),
+        })
     })
 }
 
@@ -115,7 +119,10 @@ struct TileRenderer<'a> {
     /// Spread of the tile's pixels so far, in squared levels; empty without `-error-map`.
     variances: Vec<f32>,
     filter: Duration,
-    /// Scratch: places to trace, what is seen through them, and the colours of a set.
+    /// Scratch: the columns and rows of a tile's pixels, the pixels, places to trace, what is seen through them, and the
+    /// colours of a set.
+    tile_places: Vec<(u32, u32)>,
+    pixels: Vec<Pixel>,
     places: Vec<Place>,
     seen: Vec<Seen>,
     colors: Vec<Vector3>,
@@ -139,24 +146,30 @@ impl<'a> TileRenderer<'a> {
             errors: ErrorSums::default(),
             variances: Vec::new(),
             filter: Duration::ZERO,
+            tile_places: Vec::new(),
+            pixels: Vec::new(),
             places: Vec::new(),
             seen: Vec::new(),
             colors: Vec::new(),
         }
     }
 
-    fn render(&mut self, tile: &Tile) -> RenderedTile {
-        let places: Vec<_> = tile.pixels().collect();
+    fn render(&mut self, tile: &Tile, film: &mut Columns) -> TileCost {
         let rays_a_pixel = self.options.samples_a_pixel() as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
-        let mut pixels = Vec::with_capacity(places.len());
+        let (mut places, mut pixels) = (take(&mut self.tile_places), take(&mut self.pixels));
+        places.clear();
+        places.extend(tile.pixels());
+        pixels.clear();
         let is_whole = places.chunks(pixels_at_once).all(|places| self.resolve(places, &mut pixels));
         pixels.resize(places.len(), Pixel::default());
-        self.finished(tile, &pixels, if is_whole { rays_a_pixel as u32 } else { 0 })
+        let cost = self.finished(&pixels, film, if is_whole { rays_a_pixel as u32 } else { 0 });
+        (self.tile_places, self.pixels) = (places, pixels);
+        cost
     }
 
     /// Renders a tile through which nothing but a background of one colour is seen: one ray shows it.
-    fn fill(&mut self, tile: &Tile, empty: &EmptyTiles) -> RenderedTile {
+    fn fill(&mut self, tile: &Tile, film: &mut Columns, empty: &EmptyTiles) -> TileCost {
         let seen = empty.seen_through(tile, &mut *self.tracer);
         // Summed up like any other pixel, because sums round.
         let rays_a_pixel = self.options.samples_a_pixel() as usize;
@@ -164,20 +177,19 @@ impl<'a> TileRenderer<'a> {
         let pixels = vec![pixel; (tile.width * tile.height) as usize];
         self.errors.add_exact(pixels.len() as u64);
         self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
-        self.finished(tile, &pixels, 1)
+        self.finished(&pixels, film, 1)
     }
 
-    fn finished(&mut self, tile: &Tile, pixels: &[Pixel], samples: u32) -> RenderedTile {
-        let mut film = Film::new(tile.width, tile.height, self.planes);
-        store(pixels, &mut film);
-        film.set_variances(self.variances.drain(..));
-        let cost = TileCost {
+    fn finished(&mut self, pixels: &[Pixel], film: &mut Columns, samples: u32) -> TileCost {
+        store(pixels, film);
+        film.set_variances(&self.variances);
+        self.variances.clear();
+        TileCost {
             samples: SampleCounts::of_pixels(pixels.len() as u64, samples),
             counts: self.tracer.take_counts(),
-            errors: std::mem::take(&mut self.errors),
-            filter: std::mem::take(&mut self.filter),
-        };
-        RenderedTile { film, cost }
+            errors: take(&mut self.errors),
+            filter: take(&mut self.filter),
+        }
     }
 
     /// Traces some pixels of the picture and adds them to `resolved`. Returns false if the deadline came first.
@@ -191,7 +203,7 @@ impl<'a> TileRenderer<'a> {
         }
         let start = self.options.measure.wants_times().then(Instant::now);
         let rays_a_pixel = self.seen.len() / pixels.len();
-        let seen = std::mem::take(&mut self.seen);
+        let seen = take(&mut self.seen);
         if rays_a_pixel == 1 && !self.options.jitter {
             let first = resolved.len();
             resolved.resize(first + seen.len(), Pixel::default());

@@ -100,7 +100,9 @@ fn reference(data: &[u8], path: &Path, size: Option<(u32, u32)>) -> bool {
         Err(error) => return must_be_clear(&error, path),
     };
     let mut film = Film::new(width, height, Planes::wanted_by(&options));
-    film.set_colors((0..width * height).map(|pixel| Vector3::splat(f64::from(pixel % 7) as vecmath::Real / 6.0)));
+    let pixels: Vec<u32> = (0..width * height).collect();
+    film.columns(0, width)
+        .set_colors(&pixels, |pixel| Vector3::splat(f64::from(pixel % 7) as vecmath::Real / 6.0));
     let error = reference.error_of(&film).expect("the film has numbers");
     for levels in [error.rmse_levels, error.worst_levels] {
         assert!((0.0..=255.0).contains(&levels), "{error:?}");

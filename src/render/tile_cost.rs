@@ -1,16 +1,9 @@
-//! [`RenderedTile`]: a finished tile, and the [`Totals`] of all.
+//! [`TileCost`]: what a tile has cost, and the [`Totals`] of all.
 
 use super::error_estimate::ErrorSums;
 use super::frame::SampleCounts;
-use crate::film::Film;
 use crate::ray_counts::RayCounts;
 use std::time::Duration;
-
-/// A finished tile.
-pub struct RenderedTile {
-    pub film: Film,
-    pub cost: TileCost,
-}
 
 /// What a tile has cost, and how wrong it is.
 #[derive(Default)]
