@@ -1,7 +1,7 @@
 //! Finding what a ray may hit without testing every item: a bounding volume hierarchy of eight boxes a node.
 //!
 //! ```text
-//! boxes of items --build, sah--> Bvh<Leaf> --single, packet or stream traversal--> leaves that a ray may hit
+//! boxes of items --build, sah, collapse--> Bvh<Leaf> --single, packet or stream traversal--> leaves that a ray may hit
 //! ```
 //!
 //! The contract: culling only discards what provably cannot be hit. So the answer of a query is that of a loop over all
@@ -13,11 +13,14 @@
 //! object's index) and one for each mesh (`Bvh<TriangleBlock>`). Who wants to know what a picture is needs nothing here.
 
 pub mod build;
+mod collapse;
 mod culling_packet;
+mod item;
 mod leaf_visitor;
 mod node;
 mod packet;
 mod packet_bounds;
+mod partition;
 mod prefetch;
 mod sah;
 mod shaft;

@@ -61,6 +61,15 @@ impl Child {
         Self(bits)
     }
 
+    /// Returns the child when nodes and leaves have moved by so many.
+    pub fn moved(self, (nodes, leaves): (usize, usize)) -> Self {
+        match self {
+            Self::NONE => self,
+            _ if self.is_leaf() => Self::leaf((self.index() + leaves) as u32),
+            _ => Self::node((self.index() + nodes) as u32),
+        }
+    }
+
     /// Returns the index of the leaf or of the node.
     #[inline(always)]
     pub fn index(self) -> usize {

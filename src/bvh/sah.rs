@@ -4,97 +4,10 @@
 //! Hierarchies, 2007). Nothing depends on the number of threads or on the instruction set: minima and counts are the
 //! same in any order.
 
-use super::space::Planes;
-use crate::simd::{Eight, Simd, WIDTH, load, splat, vectorize};
-use fearless_simd::prelude::*;
+use super::item::{Bounds, Enclosing, Item, PARALLEL_ITEMS};
+use super::partition::{BINS, Grid, partition};
+use crate::simd::{Simd, vectorize};
 use rayon::prelude::*;
-use std::array::from_fn;
-
-/// Largest number of bins on an axis.
-const BINS: usize = 16;
-/// Longer ranges of items are divided among threads.
-pub const PARALLEL_ITEMS: usize = 1 << 14;
-
-/// A box as eight numbers: lower x, y, z and one unused, then the negated upper x, y, z and one unused. So the box
-/// around two boxes is one minimum of vectors.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub struct Bounds(Eight);
-
-impl Bounds {
-    const EMPTY: Self = Self([f32::INFINITY; WIDTH]);
-
-    pub fn planes(&self) -> Planes {
-        let [a, b, c, _, d, e, f, _] = self.0;
-        [a, b, c, -d, -e, -f]
-    }
-
-    /// Returns half of the box's surface area; infinite for an empty box.
-    #[inline(always)]
-    pub fn half_area(&self) -> f32 {
-        let [x, y, z]: [f32; 3] = from_fn(|axis| self.0[axis] + self.0[axis + 4]);
-        x * y + y * z + z * x
-    }
-
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, other: &Eight) {
-        load(simd, other).min(load(simd, &self.0)).store_array(&mut self.0);
-    }
-
-    fn merged(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i].min(other.0[i])))
-    }
-}
-
-/// An item of a tree: its box in culling space, and its number, stored in two halves in the unused numbers of the
-/// box.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub struct Item(Eight);
-
-impl Item {
-    pub fn new(number: u32, planes: &Planes) -> Self {
-        let [a, b, c, d, e, f] = *planes;
-        Self([a, b, c, (number & 0xffff) as f32, -d, -e, -f, (number >> 16) as f32])
-    }
-
-    pub fn number(&self) -> u32 {
-        self.0[3] as u32 | (self.0[7] as u32) << 16
-    }
-
-    /// Returns twice the centre, as a box.
-    #[inline(always)]
-    fn center(&self) -> Eight {
-        from_fn(|i| self.0[i] - self.0[(i + 4) % WIDTH])
-    }
-}
-
-/// The box around items, and the box around twice their centres.
-#[derive(Clone, Copy, Debug)]
-pub struct Enclosing {
-    pub boxes: Bounds,
-    centers: Bounds,
-}
-
-impl Enclosing {
-    const EMPTY: Self = Self { boxes: Bounds::EMPTY, centers: Bounds::EMPTY };
-
-    pub fn of<S: Simd>(simd: S, items: &[Item]) -> Self {
-        let of_part = |items: &[Item]| {
-            vectorize!(simd, {
-                let mut enclosing = Self::EMPTY;
-                for item in items {
-                    enclosing.boxes.add(simd, &item.0);
-                    enclosing.centers.add(simd, &item.center());
-                }
-                enclosing
-            })
-        };
-        let merged =
-            |a: Self, b: Self| Self { boxes: a.boxes.merged(b.boxes), centers: a.centers.merged(b.centers) };
-        items.par_chunks(PARALLEL_ITEMS).map(of_part).reduce(|| Self::EMPTY, merged)
-    }
-}
 
 /// Sorts items into two parts, neither of them empty: the cheapest split by the surface area heuristic, or halves if
 /// all centres coincide. Returns the length of the first part and the boxes around each part.
@@ -130,38 +43,6 @@ pub fn split<S: Simd>(
 pub fn halve<S: Simd>(simd: S, items: &[Item]) -> (usize, [Enclosing; 2]) {
     let (first, second) = items.split_at(items.len() / 2);
     (first.len(), [Enclosing::of(simd, first), Enclosing::of(simd, second)])
-}
-
-/// Sorts centres into bins along each axis.
-struct Grid {
-    low: [f32; 4],
-    per_length: [f32; 4],
-    bins: usize,
-}
-
-impl Grid {
-    fn new(centers: &Bounds, items: usize) -> Self {
-        // Few items need few bins: the search over the bins would be most of the work.
-        let bins = BINS.min(8 + items / 16).min(2 * items);
-        let low = from_fn(|axis| if axis < 3 { centers.0[axis] } else { 0.0 });
-        let per_length = |axis: usize| {
-            let extent = -centers.0[axis + 4] - centers.0[axis];
-            let per_length = 0.999 * bins as f32 / extent;
-            // If all centres have one coordinate, all items fall into bin 0, and no split is found.
-            if axis < 3 && per_length.is_finite() { per_length } else { 0.0 }
-        };
-        Self { low, per_length: from_fn(per_length), bins }
-    }
-
-    #[inline(always)]
-    fn bin_of(&self, item: &Item, axis: usize) -> usize {
-        // A number from -1/2 to 15.5 plus this constant has the rounded number in its last bits. This is faster than
-        // a conversion to an integer.
-        const ROUNDED: f32 = (3 << 22) as f32;
-        let axis = axis % 4;
-        let place = (item.0[axis] - item.0[axis + 4] - self.low[axis]) * self.per_length[axis] - 0.5;
-        (place + ROUNDED).to_bits() as usize % BINS
-    }
 }
 
 #[derive(Clone)]
@@ -230,39 +111,6 @@ impl Bins {
     }
 }
 
-/// Moves the items whose bin on `axis` is below `plane` to the front. Returns their number, and the boxes around
-/// twice the centres of each part.
-fn partition<S: Simd>(
-    simd: S,
-    items: &mut [Item],
-    grid: &Grid,
-    axis: usize,
-    plane: usize,
-) -> (usize, [Bounds; 2]) {
-    vectorize!(simd, {
-        let mut centers = [splat(simd, f32::INFINITY); 2];
-        let mut first = 0;
-        for place in 0..items.len() {
-            // No branch, because the side of the next item cannot be predicted.
-            let item = items[place];
-            let is_first = grid.bin_of(&item, axis).wrapping_sub(plane) >> (usize::BITS - 1);
-            items[place] = items[first];
-            items[first] = item;
-            first += is_first;
-            let center = load(simd, &item.center());
-            let lift = splat(simd, f32::from_bits(f32::INFINITY.to_bits() | (is_first as u32) << 31));
-            centers[0] = centers[0].min(center.max(lift));
-            centers[1] = centers[1].min(center.max(-lift));
-        }
-        let stored = centers.map(|center| {
-            let mut bounds = Bounds::EMPTY;
-            center.store_array(&mut bounds.0);
-            bounds
-        });
-        (first, stored)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -270,15 +118,6 @@ mod tests {
 
     fn simd() -> Baseline {
         InstructionSet::baseline_token()
-    }
-
-    #[test]
-    fn an_item_keeps_its_box_and_its_number() {
-        let planes = [-0.5, 0.25, -1.0, 0.5, 0.25, 1.0];
-        for number in [0, 1, 0xffff, 0x1_0000, 0x89ab_cdef, u32::MAX] {
-            let item = Item::new(number, &planes);
-            assert_eq!((item.number(), Enclosing::of(simd(), &[item]).boxes.planes()), (number, planes));
-        }
     }
 
     #[test]

@@ -326,8 +326,8 @@ fn queries_that_meet_every_box_agree_with_the_loop() {
 fn trees_do_not_depend_on_the_number_of_threads() {
     let random = |i: u32| (i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32;
     let positions: Vec<[f32; 3]> =
-        (0..60_000).map(|i| [random(3 * i), random(3 * i + 1), random(3 * i + 2)]).collect();
-    let triangles: Vec<[u32; 3]> = (0..60_000).map(|i| [i, (i * 7 + 1) % 60_000, (i + 1) % 60_000]).collect();
+        (0..80_000).map(|i| [random(3 * i), random(3 * i + 1), random(3 * i + 2)]).collect();
+    let triangles: Vec<[u32; 3]> = (0..80_000).map(|i| [i, (i * 7 + 1) % 80_000, (i + 1) % 80_000]).collect();
     let built = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
