@@ -102,7 +102,10 @@ impl<'a> LoadedMeshes<'a> {
                 obj::parse_any_mesh(path, &bytes)?
             }
         };
-        self.meshes.push(if self.plan.shows_normals() { file.mesh.with_normals() } else { file.mesh });
+        let shows_normals = self.plan.shows_normals();
+        let finished = || if shows_normals { file.mesh.with_normals() } else { file.mesh };
+        let (mesh, ()) = rayon::join(finished, || drop(bytes));
+        self.meshes.push(mesh);
         self.remarks.warnings.extend(file.warnings);
         self.mesh_files.push(MeshFile { path: path.to_owned(), mesh: index, counts: file.counts });
         self.by_path.insert(path.to_owned(), index);

@@ -31,13 +31,14 @@ pub(super) fn read(bytes: &[u8]) -> Option<Faces> {
     let triangles = joined(&pieces, |piece| &piece.triangles);
     let polygons = joined_polygons(&pieces);
     let faces = pieces.iter().map(|piece| piece.faces).sum();
-    drop(pieces);
     let vertices = positions.len();
     let is_used: Vec<AtomicBool> = positions.iter().map(|_| AtomicBool::new(false)).collect();
     let use_position =
         |&corner: &u32| is_used.get(corner as usize).map(|used| used.store(true, Ordering::Relaxed));
     let use_corners = |corners: &[u32; 3]| corners.iter().all(|corner| use_position(corner).is_some());
-    if triangles.is_empty() || !triangles.par_iter().all(use_corners) {
+    // To give memory back takes a while, too.
+    let (are_in_range, ()) = rayon::join(|| triangles.par_iter().all(use_corners), || drop(pieces));
+    if triangles.is_empty() || !are_in_range {
         return None;
     }
     let is_used: Vec<bool> = is_used.into_iter().map(AtomicBool::into_inner).collect();
