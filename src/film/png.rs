@@ -55,7 +55,7 @@ pub struct PngEncoder {
     channels: usize,
     /// Rows that are encoded.
     rows: u32,
-    /// The last row.
+    /// The row above the next one that chooses a filter.
     above: Vec<u8>,
     /// Scratch for grey pictures: a row of three bytes a pixel.
     rgb: Vec<u8>,
@@ -127,7 +127,9 @@ impl PngEncoder {
             self.stream.set_filter(if left < up { Filter::Sub } else { Filter::Up });
         }
         self.rows += 1;
-        self.above.copy_from_slice(row);
+        if self.rows.is_multiple_of(ROWS_OF_A_FILTER) {
+            self.above.copy_from_slice(row);
+        }
         if channels == 3 {
             return self.stream.write_all(row);
         }
