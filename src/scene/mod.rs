@@ -3,6 +3,7 @@
 //! [`compile()`] makes a scene of a [`Description`](crate::scene_file::Description) and a
 //! [`Plan`](crate::plan::Plan): it loads meshes and multiplies transforms.
 
+mod brightness;
 mod camera;
 mod compile;
 mod copies;

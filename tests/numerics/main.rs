@@ -6,6 +6,7 @@
 //! `f32` feature, the same cases show what single precision loses: many of them fail, as they should.
 
 mod acne;
+mod brightness;
 mod exact;
 mod extremes;
 mod input;
