@@ -196,9 +196,13 @@ impl Picture<'_> {
 
     /// Returns the estimated error of the pixels that have samples; `None` if there are none.
     fn estimate(&self) -> Option<ErrorEstimate> {
+        self.estimate_of(&self.errors())
+    }
+
+    fn estimate_of(&self, errors: &ErrorSums) -> Option<ErrorEstimate> {
         let least = |tile: &Mutex<TileSamples>| tile.lock().ok()?.fewest();
         let least = self.tiles.par_iter().filter_map(least).min().unwrap_or(2);
-        self.errors().estimate(self.kind, least + u32::from(self.pilot.is_some()))
+        errors.estimate(self.kind, least + u32::from(self.pilot.is_some()))
     }
 
     fn errors(&self) -> ErrorSums {
@@ -212,7 +216,9 @@ impl Picture<'_> {
         preview: Option<Preview>,
         writers: Vec<&mut dyn BandWriter>,
     ) -> Result<(Frame, Option<ErrorEstimate>), Error> {
-        let of_samples = self.estimate();
+        let mut errors = self.errors();
+        errors.see_brightest(self.scene.brightest(self.plan));
+        let of_samples = self.estimate_of(&errors);
         let planes = Planes::wanted_by(self.options);
         let mut counts = preview.as_ref().map_or(RayCounts::default(), |preview| preview.counts);
         counts += self.pilot.unwrap_or_default();

@@ -107,7 +107,8 @@ pub struct ErrorSums {
     pub pixels: u64,
     /// Of these, pixels that are known to be exact.
     exact: u64,
-    /// The largest colour component of any sample. Unseen details are assumed to be no brighter.
+    /// The largest colour component of any sample, or of anything in the scene, if that is known. Unseen details count as
+    /// no brighter.
     pub peak: f64,
     linear: Sums,
     levels: Sums,
@@ -197,6 +198,11 @@ impl ErrorSums {
         *self = Self { peak: self.peak, ..Self::default() };
     }
 
+    /// Notes how bright anything can be, if that is known.
+    pub fn see_brightest(&mut self, brightest: Option<f64>) {
+        self.peak = self.peak.max(brightest.unwrap_or(0.0));
+    }
+
     /// Notes the brightness of a sample.
     pub fn see(&mut self, color: Vector3) {
         self.peak = self.peak.max(color.x as f64).max(color.y as f64).max(color.z as f64);
@@ -221,15 +227,17 @@ impl ErrorSums {
     pub fn estimate(&self, kind: SetKind, samples: u32) -> Option<ErrorEstimate> {
         let pixels = self.pixels as f64;
         let unseen = Unseen { samples, pixels: self.pixels };
-        let brightness = [1.0, self.peak.max(1.0)];
+        let brightest = self.peak.max(1.0);
         let is_exact = self.exact == self.pixels;
-        let [white, bright] =
-            brightness.map(|brightness| if is_exact { 0.0 } else { unseen.mean_square(brightness) });
+        let [white, bright, linear] =
+            [unseen.mean_square(1.0), unseen.mean_square(brightest), unseen.linear_mean_square(brightest)]
+                .map(|mean_square| if is_exact { 0.0 } else { mean_square });
         (self.pixels > 0).then(|| {
             let levels = self.levels.interval(kind, pixels, [white, bright]);
-            let scaled = |share: f64| 255.0 * share;
+            // No error of a shown colour is above white.
+            let scaled = |share: f64| 255.0 * share.min(1.0);
             ErrorEstimate {
-                linear: self.linear.interval(kind, pixels, [white, bright]),
+                linear: self.linear.interval(kind, pixels, [white, linear]),
                 levels: Interval { rmse: scaled(levels.rmse), low: scaled(levels.low), high: scaled(levels.high) },
                 seen: scaled(self.levels.mean_square(kind, pixels).sqrt()),
                 unseen: scaled(white.sqrt()),
@@ -312,6 +320,30 @@ mod tests {
         // A bright detail changes more, until the pixel is white.
         sums.see(Vector3::new(0.1, 50.0, 0.2));
         assert!((levels(&sums, 2).high.powi(2) - 25.0 * 4.0 * 54.1875).abs() < 1e-6);
+    }
+
+    #[test]
+    fn unseen_details_are_as_bright_as_anything_can_be() {
+        let mut sums = ErrorSums::default();
+        (0..900).for_each(|_| {
+            sums.add_halves(&compared([Vector3::splat(50.0); 2]));
+        });
+        sums.see(Vector3::splat(50.0));
+        // Not less than what was seen. Of levels the sum is at most 1: 3 / 900 times 300.
+        for (brightest, levels, linear) in [
+            (None, 25.0, 25.0 * 25.0),
+            (Some(10.0), 25.0, 25.0 * 25.0),
+            (Some(80.0), 40.0, 40.0 * 40.0),
+            (Some(1e6), 300.0, 2.5e11),
+            (Some(f64::INFINITY), 300.0, f64::INFINITY),
+        ] {
+            sums.see_brightest(brightest);
+            let estimate = sums.estimate(SetKind::Independent, 2).unwrap();
+            for (high, square) in [(estimate.levels.high / 255.0, levels), (estimate.linear.high, linear)] {
+                let expected = (3.0 / 900.0 * square).sqrt();
+                assert!(high == expected || (high / expected - 1.0).abs() < 1e-12, "{high}, not {expected}");
+            }
+        }
     }
 
     #[test]

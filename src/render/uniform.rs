@@ -54,7 +54,7 @@ pub fn render_before(
         let factor = totals.errors.coarse_factor(kind);
         *variances = error_map::finished(variances, options.width as usize, factor, &estimate);
     }
-    frame(film, totals, options)
+    frame(film, totals, scene, plan, options)
 }
 
 /// Renders the same, and has each writer write each band while others are rendered. The frame has no film.
@@ -69,7 +69,7 @@ pub fn render_bands(
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
     let totals = render_tiles(scene, plan, options, Deadline::NEVER, writers, progress)?;
-    Ok(frame(Film::new(0, 0, Planes::default()), totals, options))
+    Ok(frame(Film::new(0, 0, Planes::default()), totals, scene, plan, options))
 }
 
 fn render_tiles(
@@ -95,10 +95,14 @@ fn render_tiles(
     })
 }
 
-fn frame(film: Film, totals: Totals, options: &Options) -> Frame {
+fn frame(film: Film, totals: Totals, scene: &Scene, plan: &Plan, options: &Options) -> Frame {
+    let Totals { counts, samples, mut errors, filter, writing } = totals;
     // Without an estimate no errors are added up.
-    let estimate = estimate(&totals.errors, options).filter(|_| wants_estimate(options));
-    let Totals { counts, samples, filter, writing, .. } = totals;
+    let estimate = wants_estimate(options).then(|| {
+        errors.see_brightest(scene.brightest(plan));
+        estimate(&errors, options)
+    });
+    let estimate = estimate.flatten();
     Frame { film, counts, samples, estimate, filter, writing }
 }
 

@@ -18,14 +18,19 @@ pub struct Unseen {
 }
 
 impl Unseen {
-    /// Returns the mean squared error that unseen details of a brightness may add, with 95% probability, as a share of
-    /// white.
+    /// Returns the mean squared error that unseen details of a brightness may add to a picture, with 95% probability, as a
+    /// share of white.
     ///
     /// A detail of brightness A that covers the share p of a pixel changes it by min(1, p A), since white is the most
     /// that a pixel shows. So the squared error for each share missed is at most A / n, once A is above n.
     pub fn mean_square(&self, brightness: f64) -> f64 {
         let in_a_sample = brightness / f64::from(self.samples.max(1));
         3.0 * in_a_sample * in_a_sample.min(1.0) / self.pixels.max(1) as f64
+    }
+
+    /// Returns the same for colours that are not clamped.
+    pub fn linear_mean_square(&self, brightness: f64) -> f64 {
+        3.0 * (brightness / f64::from(self.samples.max(1))).powi(2) / self.pixels.max(1) as f64
     }
 
     /// Returns the mean squared error that unseen details are expected to add, in squared levels.

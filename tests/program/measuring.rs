@@ -152,6 +152,25 @@ fn a_report_says_null_where_nothing_is_known() {
     assert!(reasons.iter().any(|reason| reason.starts_with("shadow rays: ")), "{reasons:?}");
 }
 
+/// Mirrors that brighten have no finite bound. No error that is shown is above 255 levels.
+#[test]
+fn the_upper_end_of_the_error_holds_for_any_brightness() {
+    let folder = Folder::new();
+    for (color, size, samples) in [
+        ("1e308 1e308 1e308", 9, "-samples 4"),
+        ("1e30 1 1", 9, "-target-error 300"),
+        ("1e308 0 0", 1, "-samples 2"),
+    ] {
+        let material = "Material { specularColor 9 9 9 }";
+        let scene = SCENE.replace("color 1 1 1", &format!("color {color}")).replace("Material { }", material);
+        folder.write("s.txt", scene);
+        let report =
+            report(&folder, &format!("-input s.txt -bounces 1000 -size {size} {size} {samples} -output o.png"));
+        let [levels, linear] = ["levels", "linear"].map(|of| &report["estimated_error"][of]["high_95"]);
+        assert_eq!((levels.as_f64(), linear), (Some(255.0), &Value::Null), "{color} {report}");
+    }
+}
+
 #[test]
 fn an_error_map_is_bright_along_edges_and_never_black() {
     let folder = Folder::new();
