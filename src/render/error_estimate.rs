@@ -134,10 +134,15 @@ impl Sums {
         self.squares += other.squares;
     }
 
-    /// Returns what the spread must be multiplied by to be the squared error.
-    fn factor(&self, kind: SetKind) -> f64 {
+    /// Returns the coarse spread as a multiple of the fine one.
+    fn ratio(&self) -> f64 {
         let [fine, coarse] = self.spread;
-        if fine > 0.0 { kind.factor(coarse / fine) } else { 1.0 }
+        if fine > 0.0 { coarse / fine } else { 1.0 }
+    }
+
+    /// Returns what the fine spread must be multiplied by to be the squared error.
+    fn factor(&self, kind: SetKind) -> f64 {
+        kind.factor(self.ratio())
     }
 
     fn mean_square(&self, kind: SetKind, pixels: f64) -> f64 {
@@ -153,9 +158,10 @@ impl Sums {
         let variance = relative * (1.0 + relative / 4.0);
         let factor = |deviation: f64| (TWO_SIDED * (variance + deviation * deviation).sqrt()).exp();
         let [below, above] = kind.factor_deviations().map(factor);
+        let least = kind.least_factor(self.ratio()) * self.spread[0] / pixels;
         Interval {
             rmse: mean_square.max(EXPECTED * white).sqrt(),
-            low: (mean_square / below).sqrt(),
+            low: (least / below).sqrt(),
             high: (mean_square * above + bright).sqrt(),
         }
     }

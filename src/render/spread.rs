@@ -11,7 +11,9 @@
 //! spread here, and the picture keeps all its samples in one set.
 //!
 //! - Sobol: the halves are the first and second half of a set. The *coarse* spread compares pairs of samples that follow
-//!   one another, in the same unit. It tells a: (n / 2)^(a - 1) is its ratio to the fine one.
+//!   one another, in the same unit. It is equal to the fine one for noise, and for details smaller than the distance of
+//!   two samples: these are *unresolved*, their samples are as if independent, and S is the error. It is larger once
+//!   details are resolved. If V falls by one power all the way, it tells that too: (n / 2)^(a - 1) is the ratio of the two.
 //! - Stratified: in a block of two by two cells there are three differences: along x, along y and crosswise. Each is the
 //!   sum of the errors of the cells, and of the difference of their true means, which is smallest crosswise: 0 for a
 //!   slope. So the fine spread is the crosswise one, and the coarse one the mean of all three.
@@ -105,26 +107,41 @@ impl SetKind {
     pub fn factor(self, ratio: f64) -> f64 {
         match self {
             Self::Independent | Self::Sequences => 1.0,
-            Self::Sobol(samples) if samples < 32 || !samples.is_power_of_two() => Self::usual_factor(samples),
+            Self::Sobol(samples) if samples < 4 => Self::usual_factor(samples),
             Self::Sobol(samples) => {
-                let doublings = f64::from(samples.ilog2()) - 1.0;
-                // 2^a - 1, from independent samples (a = 1) to smooth colours (a = 3).
-                let by_power_law = (2.0 * ratio.powf(1.0 / doublings) - 1.0).clamp(1.0, 7.0);
-                1.0 / (1.0 + 0.72 * (by_power_law - 1.0))
+                // Details that are not resolved, whose samples are as if independent, have the factor 1.
+                let resolved = ((ratio - 0.95) / 0.25).clamp(0.0, 1.0);
+                let divisor = 1.0 + resolved * (1.0 / Self::usual_factor(samples) - 1.0);
+                let has_power_law = samples >= 32 && samples.is_power_of_two();
+                1.0 / divisor.max(if has_power_law { divisor_by_power_law(samples, ratio) } else { 1.0 })
             }
-            // Noise, edges at all angles, and a slope, where it is exact again.
-            Self::Grid(_) => interpolated(&[(1.0, 1.0), (1.7, 0.80), (2.2, 0.75), (5.0, 1.0)], ratio),
+            // Noise, details as small as the cells, edges at all angles, and a slope, where it is exact again.
+            Self::Grid(_) => {
+                interpolated(&[(1.0, 1.0), (1.2, 0.725), (1.6, 0.83), (2.2, 0.75), (5.0, 1.0)], ratio)
+            }
             Self::Rows(2, _) => 1.0 / 1.55,
             Self::Rows(..) => 1.0 / 2.1,
         }
     }
 
+    /// Returns the least factor that is likely for a picture with such a ratio: of Sobol samples it is the one for
+    /// details that are resolved. Pictures of the same ratio differ in how many have just been resolved.
+    pub fn least_factor(self, ratio: f64) -> f64 {
+        match self {
+            Self::Sobol(samples) => self.factor(ratio).min(Self::usual_factor(samples)),
+            _ => self.factor(ratio),
+        }
+    }
+
     /// Returns the factor of Sobol samples if nothing is known but their number.
     pub fn usual_factor(samples: u32) -> f64 {
-        match (samples, samples.is_power_of_two()) {
-            (0..4, true) | (0..16, false) => 1.0 / 2.6,
-            (4, _) | (_, false) => 1.0 / 2.2,
-            (8, _) => 1.0 / 2.0,
+        let is_even = samples.is_multiple_of(2);
+        match samples {
+            ..16 if !is_even => 1.0 / 1.8,
+            4 => 1.0 / 2.2,
+            8 => 1.0 / 2.0,
+            ..16 => 1.0 / 2.6,
+            _ if is_even && !samples.is_power_of_two() => 1.0 / 2.2,
             _ => 1.0 / 1.9,
         }
     }
@@ -153,6 +170,14 @@ impl SetKind {
             Self::Grid(_) | Self::Rows(..) => 2.0,
         }
     }
+}
+
+/// Returns the fine spread of Sobol samples, divided by the squared error, if the error falls by one power of their number:
+/// 2^a - 1, from independent samples (a = 1) to smooth colours (a = 3), with the bend that the curve has at edges.
+fn divisor_by_power_law(samples: u32, ratio: f64) -> f64 {
+    let doublings = f64::from(samples.ilog2()) - 1.0;
+    let by_power_law = (2.0 * ratio.powf(1.0 / doublings) - 1.0).clamp(1.0, 7.0);
+    1.0 + 0.72 * (by_power_law - 1.0)
 }
 
 /// Returns S(G) of the means of G groups.
@@ -264,6 +289,40 @@ mod tests {
             }
             let stated = fine * kind.factor(coarse / fine);
             assert!((stated / error - 1.0).abs() < 0.2, "{} {}", stated / error, coarse / fine);
+        }
+    }
+
+    /// Discs of 0.18 pixels: 4 samples do not resolve them, 16 in part, and 64 do.
+    #[test]
+    fn details_that_have_just_been_resolved_are_told_from_noise() {
+        const SETS: u64 = 8000;
+        const RADIUS: f64 = 0.09;
+        let random = |n: u64| mixed(n) as f64 / 2.0f64.powi(64);
+        let disc = |set: u64, (x, y): (f64, f64)| {
+            let [middle_x, middle_y] = [5, 6].map(|n| 0.1 + 0.8 * random(7 * set + n));
+            f64::from((x - middle_x).hypot(y - middle_y) < RADIUS)
+        };
+        let in_cell = |set: u64, cell: u64| {
+            let [x, y] = [0, 1].map(|n| random((1 << 40) | (128 * set + 2 * cell + n)));
+            (((cell % 8) as f64 + x) / 8.0, ((cell / 8) as f64 + y) / 8.0)
+        };
+        for kind in [SetKind::Sobol(4), SetKind::Sobol(16), SetKind::Sobol(64), SetKind::Grid(8)] {
+            let (mut fine, mut coarse, mut error) = (0.0, 0.0, 0.0);
+            for set in 0..SETS {
+                let sobol = Sobol::new([mixed(2 * set + 1), mixed(2 * set + 2)]);
+                let of_sequence = |(x, y): (Real, Real)| disc(set, (x as f64, y as f64));
+                let colors = match kind {
+                    SetKind::Sobol(count) => gray((0..count).map(|index| of_sequence(sobol.sample(index)))),
+                    _ => gray((0..64).map(|cell| disc(set, in_cell(set, cell)))),
+                };
+                let spread = kind.spread(&colors);
+                (fine, coarse) = (fine + spread.fine[0], coarse + spread.coarse[0]);
+                error += (mean(&colors).x as f64 - std::f64::consts::PI * RADIUS * RADIUS).powi(2);
+            }
+            let ratio = coarse / fine;
+            let [stated, least] =
+                [kind.factor(ratio), kind.least_factor(ratio)].map(|factor| factor * fine / error);
+            assert!((0.8..1.2).contains(&stated) && least <= stated, "{kind:?}: {stated} {least} {ratio}");
         }
     }
 

@@ -116,14 +116,20 @@ fn coverage(scene: &str, truth: &[f64], flags: &str, seeds: u64) -> Coverage {
     found
 }
 
-/// Prints a table, and returns its rows.
-fn coverage_table(size: u32, truth_samples: u32, seeds: u64, kinds: &[String]) -> Vec<(String, String, Coverage)> {
+/// Prints a table of the scenes whose names are wanted, and returns its rows.
+fn coverage_table(
+    is_wanted: impl Fn(&str) -> bool,
+    size: u32,
+    truth_samples: u32,
+    seeds: u64,
+    kinds: &[String],
+) -> Vec<(String, String, Coverage)> {
     println!(
         "| scene | flags | true RMSE in the 95% interval, linear | levels | stated / true MSE | error of the mean / expected |"
     );
     println!("|---|---|---|---|---|---|");
     let mut rows = Vec::new();
-    for (name, scene) in scenes() {
+    for (name, scene) in scenes().into_iter().filter(|(name, _)| is_wanted(name)) {
         let size = format!("-size {size} {size}");
         let mut truths: [Option<Vec<f64>>; 2] = [None, None];
         for kind in kinds {
@@ -163,11 +169,23 @@ fn fixed(samples: &[u32]) -> Vec<String> {
 fn the_true_error_lies_in_the_stated_interval() {
     let mut kinds = fixed(&[4, 16]);
     kinds.extend(["-target-error 4".to_owned()]);
-    let rows = coverage_table(24, 1024, 24, &kinds);
+    let rows = coverage_table(|_| true, 24, 1024, 24, &kinds);
     let share = rows.iter().map(|row| row.2.levels).sum::<f64>() / rows.len() as f64;
     assert!(share >= 0.93, "all: {share}");
     for (scene, kind, found) in rows {
         assert!(found.safe >= 0.83, "{scene} {kind}: {found:?}");
+    }
+}
+
+/// 64 samples have just resolved specks and far triangles, and often miss all of nine highlights.
+#[test]
+fn small_details_lie_in_the_stated_interval() {
+    let is_wanted = |name: &str| ["specks", "highlights", "far triangles"].contains(&name);
+    let kinds = ["stratified", "sobol"].map(|sampler| format!("-sampler {sampler} -samples 64 -stats"));
+    let rows = coverage_table(is_wanted, 32, 4096, 24, &kinds);
+    assert_eq!(rows.len(), 6);
+    for (scene, kind, found) in rows {
+        assert!(found.levels >= 0.87 && found.linear >= 0.87, "{scene} {kind}: {found:?}");
     }
 }
 
@@ -195,7 +213,7 @@ fn the_true_error_lies_in_the_stated_interval_in_every_row() {
         "-time-limit 0.02 -samples 4096",
     ];
     kinds.extend(others.map(str::to_owned));
-    let rows = coverage_table(32, 8192, 100, &kinds);
+    let rows = coverage_table(|_| true, 32, 8192, 100, &kinds);
     let few = rows.iter().filter(|row| row.2.levels < 0.9).count();
     println!("\nRows below 90%: {few} of {}.", rows.len());
 }
