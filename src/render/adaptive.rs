@@ -10,8 +10,9 @@
 use super::allocation::Allocation;
 use super::bands::Bands;
 use super::empty_tiles::EmptyTiles;
-use super::error_estimate::{ErrorEstimate, ErrorSums};
+use super::error_estimate::ErrorEstimate;
 use super::error_map;
+use super::error_sums::ErrorSums;
 use super::finishing::Finishing;
 use super::frame::{Frame, SampleCounts};
 use super::passes::Picture;

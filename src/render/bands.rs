@@ -174,7 +174,7 @@ impl Drop for StopInPanic<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::error_estimate::ErrorSums;
+    use super::super::error_sums::ErrorSums;
     use super::super::frame::SampleCounts;
     use super::super::tiles::Silent;
     use super::*;

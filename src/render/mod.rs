@@ -11,6 +11,7 @@ mod depth;
 mod empty_tiles;
 pub mod error_estimate;
 mod error_map;
+mod error_sums;
 mod finishing;
 mod frame;
 mod in_flight;

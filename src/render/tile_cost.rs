@@ -1,6 +1,6 @@
 //! [`TileCost`]: what a tile has cost, and the [`Totals`] of all.
 
-use super::error_estimate::ErrorSums;
+use super::error_sums::ErrorSums;
 use super::frame::SampleCounts;
 use crate::ray_counts::RayCounts;
 use std::time::Duration;

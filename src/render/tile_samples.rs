@@ -1,6 +1,6 @@
 //! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
-use super::error_estimate::{ErrorSums, HalvesError};
+use super::error_sums::{ErrorSums, HalvesError};
 use super::frame::SampleCounts;
 use super::pixel::{Pixel, finite, store};
 use super::preview::Preview;

@@ -2,8 +2,9 @@
 
 use super::bands::Bands;
 use super::empty_tiles::EmptyTiles;
-use super::error_estimate::{ErrorEstimate, ErrorSums};
+use super::error_estimate::ErrorEstimate;
 use super::error_map;
+use super::error_sums::ErrorSums;
 use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, filter_weight, finite, store};
 use super::rays::RayMaker;
