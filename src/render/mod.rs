@@ -23,6 +23,7 @@ mod rays;
 mod samples;
 mod sobol;
 mod spread;
+mod spread_factor;
 mod stratified;
 mod tile_cost;
 mod tile_samples;
