@@ -1,5 +1,5 @@
 //! Boxes in, [`Bvh`] out: builds a binary tree by the surface area heuristic ([`sah`]), and collapses it to the cheapest
-//! tree of eight boxes a node ([`collapse`]).
+//! tree of eight boxes a node ([`collapse`](super::collapse)).
 //!
 //! Subtrees are built and collapsed in parallel. The tree does not depend on the number of threads or on the instruction
 //! set.

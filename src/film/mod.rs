@@ -253,8 +253,8 @@ mod tests {
         // Two columns of three in a part of a film, and this part below the first row of another.
         let mut part = Film::new(3, 2, planes);
         let mut columns = part.columns(1, 2);
-        columns.set_colors(&[1, 2, 3, 4], |&n| Vector3::splat(Real::from(n) / 255.0));
-        columns.set_depths(&[1, 2, 3, 4], |&n| Real::from(n) / 255.0);
+        columns.set_colors(&[1u8, 2, 3, 4], |&n| Vector3::splat(Real::from(n) / 255.0));
+        columns.set_depths(&[1u8, 2, 3, 4], |&n| Real::from(n) / 255.0);
         let mut film = Film::new(4, 3, planes);
         film.place(1, 1, &part);
         let expected = [0, 0, 0, 0, 0, 0, 1, 2, 0, 0, 3, 4];
