@@ -3,7 +3,8 @@
 
     scripts/scaling.py [--a2 target/release/a2] [--meshes FOLDER] [--repeats N] [--only WORD] [--threads 1,2,4]
 
-The last table, "threads", has whole processes with 1, 2, 4 ... threads, up to as many as the processor has, in turn.
+The last table, "threads", has whole processes with 1, 2, 4 ... threads, up to as many as the processor has, in turn. Its
+last column says what the machine can do: how much more so many processes of one thread do at the same time than one alone.
 
 A slope is log(time ratio)/log(work ratio) between neighbouring rows: 1 means that twice the work takes twice the time,
 0 that it costs nothing. Times are medians of whole processes. The time of the same job at 1 x 1 pixels is subtracted if
@@ -60,6 +61,14 @@ def seconds(command, repeats):
     return statistics.median(times)
 
 
+def seconds_side_by_side(command, count):
+    start = time.perf_counter()
+    processes = [subprocess.Popen([str(word) for word in command]) for _ in range(count)]
+    if any(process.wait() for process in processes):
+        raise subprocess.SubprocessError(command)
+    return time.perf_counter() - start
+
+
 def thread_table(args, folder):
     """Prints how many times as fast whole processes are with more threads; `args.threads` begins with 1."""
     flags = ["-bounces", 4, "-shadows"]
@@ -75,13 +84,18 @@ def thread_table(args, folder):
     if mesh and mesh.exists():
         file = scene(folder / "mesh.txt", mesh=mesh)
         jobs["1,024,000 triangles, 1 x 1 pixels: reading and building"] = ["-input", file, "-size", 1, 1]
-    print(f"\n| threads | {' | '.join(f'{n}' for n in args.threads)} |\n|---|{'---|' * len(args.threads)}")
+    most = args.threads[-1]
+    print(f"\n| threads | {' | '.join(f'{n}' for n in args.threads)} | {most} processes |")
+    print(f"|---|{'---|' * (len(args.threads) + 1)}")
     for name, job in jobs.items():
         base = [args.a2, "-quiet", "-output", folder / "o.png", *job, "-threads"]
-        rounds = [[seconds([*base, n], 1) for n in args.threads] for _ in range(args.repeats)]
-        times = [statistics.median(column) for column in zip(*rounds)]
+        rounds = [
+            [*(seconds([*base, n], 1) for n in args.threads), seconds_side_by_side([*base, 1], most)]
+            for _ in range(args.repeats)
+        ]
+        *times, together = (statistics.median(column) for column in zip(*rounds))
         cells = [f"{times[0] / time:.2f} ({time:.3f} s)" for time in times]
-        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+        print(f"| {name} | {' | '.join(cells)} | {most * times[0] / together:.2f} |", flush=True)
 
 
 def main():
