@@ -19,6 +19,8 @@ pub struct Mesh {
 
 /// Face normals are computed and added up in batches of this size, so that few are in memory at once.
 const AT_ONCE: usize = 1 << 16;
+/// So many triangles are left out at once where none of them has a corner in a range of positions.
+const BLOCK: usize = 1 << 8;
 
 impl Mesh {
     /// Makes a mesh of positions and corner indices, which must be in range.
@@ -51,15 +53,13 @@ impl Mesh {
             let first = (chunk * AT_ONCE) as u32;
             let face_normal = |index| face_normal(self.corners(first + index));
             (0..triangles.len() as u32).into_par_iter().map(face_normal).collect_into_vec(&mut normals);
+            // With many threads each would read all corners, nearly all of them in vain.
+            let touched: Vec<u64> = triangles.par_chunks(BLOCK).map(|block| ranges_of(block, range)).collect();
             sums.par_chunks_mut(range).enumerate().for_each(|(number, sums)| {
                 let start = number * range;
-                for (corners, normal) in triangles.iter().zip(&normals) {
-                    for corner in corners {
-                        if let Some(sum) = sums.get_mut((*corner as usize).wrapping_sub(start)) {
-                            *sum += *normal;
-                        }
-                    }
-                }
+                let blocks = triangles.chunks(BLOCK).zip(normals.chunks(BLOCK)).zip(&touched);
+                let touching = blocks.filter(|(_, touched)| *touched >> (number % 64) & 1 == 1);
+                touching.for_each(|((triangles, normals), _)| add_normals(sums, start, triangles, normals));
             });
         }
         sums.par_iter_mut().for_each(|sum| *sum = sum.normalized());
@@ -104,6 +104,22 @@ impl Mesh {
     }
 }
 
+/// Adds the normals of faces to the sums of their corners, as far as these lie in the range that begins at `start`.
+fn add_normals(sums: &mut [Vector3], start: usize, triangles: &[[u32; 3]], normals: &[Vector3]) {
+    for (corners, normal) in triangles.iter().zip(normals) {
+        for corner in corners {
+            if let Some(sum) = sums.get_mut((*corner as usize).wrapping_sub(start)) {
+                *sum += *normal;
+            }
+        }
+    }
+}
+
+/// Returns which ranges of so many positions the corners of triangles lie in: bit n for the ranges n, n + 64, n + 128 ...
+fn ranges_of(triangles: &[[u32; 3]], range: usize) -> u64 {
+    triangles.as_flattened().iter().fold(0, |bits, corner| bits | 1 << (*corner as usize / range % 64))
+}
+
 fn bounds_of(positions: &[[f32; 3]]) -> Aabb {
     let parts = positions.par_chunks(AT_ONCE);
     let bounds = parts.map(|part| Aabb::of_points(part.iter().map(|&position| to_vector(position))));
@@ -139,16 +155,24 @@ mod tests {
         let position = |i: u32| [i * 7919 % 1000, i * 104_729 % 1000, i * 31 % 1000].map(|c| c as f32);
         let positions: Vec<_> = (0..1000).map(position).collect();
         let corner = |i: u32| i % 1009 % 1000;
-        let triangles: Vec<_> =
-            (0..AT_ONCE as u32 + 5).map(|i| [corner(i), corner(3 * i), corner(7 * i + 1)]).collect();
-        let mesh = Mesh::new(positions, triangles);
-        let mut sums = vec![Vector3::ZERO; 1000];
-        for (index, corners) in mesh.triangles.iter().enumerate() {
-            for corner in corners {
-                sums[*corner as usize] += face_normal(mesh.corners(index as u32));
+        let scattered = |i: u32| [corner(i), corner(3 * i), corner(7 * i + 1)];
+        // Most threads find nothing in most blocks.
+        let local = |i: u32| [i / 80, i / 80 + 90, 999 - i / 80];
+        for triangle in [&scattered as &dyn Fn(u32) -> [u32; 3], &local] {
+            let triangles = (0..AT_ONCE as u32 + 5).map(triangle).collect();
+            let mesh = Mesh::without_normals(positions.clone(), triangles);
+            let mut sums = vec![Vector3::ZERO; 1000];
+            for (index, corners) in mesh.triangles.iter().enumerate() {
+                for corner in corners {
+                    sums[*corner as usize] += face_normal(mesh.corners(index as u32));
+                }
+            }
+            let expected: Vec<Vector3> = sums.into_iter().map(|sum| sum.normalized()).collect();
+            for threads in [1, 3, 70] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                assert!(pool.install(|| mesh.smooth_normals()) == expected, "{threads}");
             }
         }
-        assert!(mesh.vertex_normals.iter().zip(sums).all(|(normal, sum)| *normal == sum.normalized()));
     }
 
     #[test]
