@@ -71,14 +71,13 @@ def seconds_side_by_side(command, count):
 
 def thread_table(args, folder):
     """Prints how many times as fast whole processes are with more threads; `args.threads` begins with 1."""
-    flags = ["-bounces", 4, "-shadows"]
-    three = ["-normals", folder / "n.png", "-depth", 8, 18, folder / "d.png"]
+    large = ["-input", ROOT / "data/scene01_plane.txt", "-size", 4000, 4000]
+    three = [*large, "-normals", folder / "n.png", "-depth", 8, 18, folder / "d.png"]
+    many_rays = ["-input", ROOT / "data/scene06_bunny_1k.txt", "-size", 400, 400, "-jitter", "-filter"]
     jobs = {
-        "scene01, 4,000 x 4,000": ["-input", ROOT / "data/scene01_plane.txt", "-size", 4000, 4000],
-        "scene01, 4,000 x 4,000, three pictures": ["-input", ROOT / "data/scene01_plane.txt", "-size", 4000, 4000, *three],
-        "scene06, 400 x 400, 144 rays a pixel": [
-            *("-input", ROOT / "data/scene06_bunny_1k.txt", "-size", 400, 400, "-jitter", "-filter", *flags)
-        ],
+        "scene01, 4,000 x 4,000": large,
+        "scene01, 4,000 x 4,000, three pictures": three,
+        "scene06, 400 x 400, 144 rays a pixel": [*many_rays, "-bounces", 4, "-shadows"],
     }
     mesh = args.meshes and (args.meshes / "bunny_1m.obj").resolve()
     if mesh and mesh.exists():

@@ -8,6 +8,8 @@ use std::array::from_fn;
 
 /// Longer ranges of items are divided among threads.
 pub const PARALLEL_ITEMS: usize = 1 << 14;
+/// So many items, or fewer, are sorted into bins and to the sides of a plane by one thread, without pieces to join.
+pub const ITEMS_IN_ONE_PIECE: usize = 4 * PARALLEL_ITEMS;
 
 /// A box as eight numbers: lower x, y, z and one unused, then the negated upper x, y, z and one unused. So the box
 /// around two boxes is one minimum of vectors.

@@ -1,6 +1,6 @@
 //! Sorts items into bins ([`Grid`]), and to the two sides of a plane ([`partition`]).
 
-use super::item::{Bounds, Item, PARALLEL_ITEMS};
+use super::item::{Bounds, ITEMS_IN_ONE_PIECE, Item, PARALLEL_ITEMS};
 use crate::simd::{Simd, load, splat, vectorize};
 use fearless_simd::prelude::*;
 use rayon::prelude::*;
@@ -52,7 +52,7 @@ pub fn partition<S: Simd>(
     axis: usize,
     plane: usize,
 ) -> (usize, [Bounds; 2]) {
-    if items.len() <= 4 * PARALLEL_ITEMS {
+    if items.len() <= ITEMS_IN_ONE_PIECE {
         return partition_piece(simd, items, grid, axis, plane);
     }
     let pieces = items.par_chunks_mut(PARALLEL_ITEMS);

@@ -4,7 +4,7 @@
 //! Hierarchies, 2007). Nothing depends on the number of threads or on the instruction set: minima and counts are the
 //! same in any order.
 
-use super::item::{Bounds, Enclosing, Item, PARALLEL_ITEMS};
+use super::item::{Bounds, Enclosing, ITEMS_IN_ONE_PIECE, Item, PARALLEL_ITEMS};
 use super::partition::{BINS, Grid, partition};
 use crate::simd::{Simd, vectorize};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ pub fn split<S: Simd>(
 ) -> (usize, [Enclosing; 2]) {
     let grid = Grid::new(&enclosing.centers, items.len());
     let mut bins = Bins::EMPTY;
-    if items.len() <= 4 * PARALLEL_ITEMS {
+    if items.len() <= ITEMS_IN_ONE_PIECE {
         bins.fill(simd, items, &grid);
     } else {
         let filled = |mut bins: Bins, items: &[Item]| {
