@@ -11,6 +11,7 @@ mod lines;
 mod plain;
 mod polygons;
 mod statements;
+mod tangled;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -177,7 +178,7 @@ fn finish(
         let place = source.location(place_of_face(&source.text, cuts.first_doubtful));
         let others = others(cuts.doubtful);
         warnings.push(format!(
-            "{place}: this polygon crosses itself or is far from flat{others}: it becomes a fan of triangles around its first corner"
+            "{place}: this polygon crosses itself, has too many corners or is far from flat{others}: it becomes a fan of triangles around its first corner"
         ));
     }
     counts.vertices = faces.vertices;

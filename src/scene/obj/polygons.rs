@@ -8,6 +8,7 @@
 //! exactly as the file has them.
 
 use super::Polygon;
+use super::tangled::is_tangled;
 use earcut::Earcut;
 use rayon::prelude::*;
 
@@ -38,9 +39,6 @@ const CROOKED: f64 = 0.25;
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 /// Triangles whose areas add up to more than the polygon's by this part of it overlap.
 const OVERLAP: f64 = 1e-5;
-/// A polygon that is not convex and has more corners than this is doubtful: where one crosses itself, cutting it takes time that
-/// grows with the third power of this.
-const MOST_CORNERS: usize = 10_000;
 
 /// Cuts polygons, whose fans stand in `triangles`, as they need it.
 pub(super) fn cut(positions: &[[f32; 3]], triangles: &mut [[u32; 3]], polygons: &[Polygon]) -> Cuts {
@@ -91,7 +89,7 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     if is_convex(&flat) || (length == 0.0 && is_nothing()) {
         return Cut::Fan;
     }
-    if flat.len() > MOST_CORNERS {
+    if is_tangled(&flat) {
         return Cut::Doubtful;
     }
     let mut cut = Vec::new();
@@ -140,26 +138,36 @@ fn projected(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[f64; 2]> {
 }
 
 /// Twice the area of a triangle, above zero if it turns left.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+pub(super) fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The largest coordinate of a polygon, without its sign.
+pub(super) fn size_of(flat: &[[f64; 2]]) -> f64 {
+    flat.as_flattened().iter().fold(0.0f64, |size, coordinate| size.max(coordinate.abs()))
+}
+
+/// How far [`cross`] may be off because the coordinates, up to `size`, are rounded.
+pub(super) fn rounding([a, b, c]: [[f64; 2]; 3], size: f64) -> f64 {
+    let edges = [b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]];
+    4.0 * ROUNDING * size * edges.iter().map(|edge| edge.abs()).sum::<f64>()
 }
 
 /// Whether a polygon turns left at every corner, up to rounding, and goes around once.
 fn is_convex(flat: &[[f64; 2]]) -> bool {
-    let size = flat.as_flattened().iter().fold(0.0f64, |size, coordinate| size.max(coordinate.abs()));
+    let size = size_of(flat);
     let count = flat.len();
     let mut turns_of_direction = 0;
     let mut rightwards = None;
     for at in 0..=count {
         let [a, b, c] = [at, at + 1, at + 2].map(|corner| flat[corner % count]);
-        let edges = [b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]];
-        let rounding = 4.0 * ROUNDING * size * edges.iter().map(|edge| edge.abs()).sum::<f64>();
-        if cross(a, b, c) < -rounding {
+        if cross(a, b, c) < -rounding([a, b, c], size) {
             return false;
         }
-        if edges[0] != 0.0 {
-            turns_of_direction += usize::from(rightwards.is_some_and(|before| before != (edges[0] > 0.0)));
-            rightwards = Some(edges[0] > 0.0);
+        let step = b[0] - a[0];
+        if step != 0.0 {
+            turns_of_direction += usize::from(rightwards.is_some_and(|before| before != (step > 0.0)));
+            rightwards = Some(step > 0.0);
         }
     }
     turns_of_direction <= 2
@@ -264,6 +272,21 @@ mod tests {
             [0.0, 3.0],
         ];
         must_be_inside(&comb, 11.0);
+    }
+
+    #[test]
+    fn polygons_of_thousands_of_corners_are_cut() {
+        let corner = |i: usize| {
+            let angle = std::f64::consts::TAU * i as f64 / 5000.0;
+            let radius = if i.is_multiple_of(2) { 10.0 } else { 3.0 };
+            [radius * angle.cos(), radius * angle.sin()]
+        };
+        let points = placed(&(0..5000).map(corner).collect::<Vec<_>>(), false);
+        let Cut::Inside(parts) = cut_points(&points) else { panic!("not cut") };
+        let expected = 2500.0 * 10.0 * 3.0 * (std::f64::consts::TAU / 5000.0).sin();
+        assert!((area(&points, &parts) / expected - 1.0).abs() < 1e-5);
+        let around: Vec<_> = (0..5000).map(|i| corner(1250 * i)).collect();
+        assert_eq!(cut_points(&placed(&around, false)), Cut::Doubtful);
     }
 
     #[test]
