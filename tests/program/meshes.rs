@@ -242,18 +242,51 @@ fn what_is_no_mesh_is_named() {
         (b"\x89PNG\r\n\x1a\n\0\0", "a PNG picture"),
         (b"\xff\xd8\xff\xe0\0\x10JFIF", "a JPEG picture"),
         (b"newmtl red\nKd 1 0 0\n", "a material library (MTL)"),
+        (
+            b"# Blender MTL File: 'a.blend'\r\n# Material Count: 1\r\n\r\nnewmtl red\nKd 1 0 0\nd 1\n",
+            "a material library (MTL)",
+        ),
+        (b"#\r\tnewmtl red\rKd 1 0 0\r", "a material library (MTL)"),
+        (b"# made by hand\nOFF\n3 1 0\n", "an OFF model"),
+        (b"../models/bunny.obj", "only a path, and seems to be a symbolic link that was stored as text"),
+        (b"bunny_1k.OBJ\n", "only a path, and seems to be a symbolic link"),
+        (b"../my models/bunny.obj", "only a path, and seems to be a symbolic link"),
+        (b"..\\shared\\mesh", "only a path, and seems to be a symbolic link"),
         (SCENE.as_bytes(), "a scene, not a mesh"),
         (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nf 1 2 x\n", "the file is binary"),
+        (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nl \x01\x02\np 1\n\x03", "the file is binary"),
+        (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nf\n\x03\x04", "the file is binary"),
     ] {
         let message = refusal(bytes);
         let start = "m.obj: this is no OBJ mesh: the file is ";
         assert!(message.starts_with(start) && message.contains(what), "{what}: {message}");
     }
-    for (text, place) in [("# an empty scene\n", "m.obj:1:1"), ("\n  Hello\nvn 0 0 1\n", "m.obj:2:3")] {
+    for (text, place) in [
+        ("# an empty scene\n", "m.obj:1:1"),
+        ("\n  Hello\nvn 0 0 1\n", "m.obj:2:3"),
+        ("l 1 2\np 1\n", "m.obj:1:1"),
+        ("https://example.org/bunny.obj\n", "m.obj:1:1"),
+        ("bunny.obj\nteapot.obj\n", "m.obj:1:1"),
+    ] {
         let message = refusal(text.as_bytes());
         let expected = format!("{place}: this is no OBJ mesh: no line is a vertex ('v') or a face ('f')");
         assert!(message.starts_with(&expected), "{message}");
     }
+}
+
+#[test]
+fn a_mesh_may_begin_like_another_file() {
+    let expected = rendered(KITE.as_bytes());
+    // The second one of each is read another way, for its face has indices that count backwards.
+    for start in ["newmtl red\nKd 1 0 0\n", "# c\nnewmtl red\n", "solid kite\n", "<kite>\n", "[1]\n", "off\n"] {
+        for text in [KITE.to_owned(), KITE.replace("1 2 3 4", "-4 -3 -2 -1")] {
+            assert_eq!(rendered(format!("{start}{text}").as_bytes()), expected, "{start}{text}");
+        }
+    }
+    let message = refusal(format!("newmtl red\n{}", KITE.replace("3 4", "3 99")).as_bytes());
+    assert!(message.starts_with("m.obj:6:9: there is no vertex 99: the file has 4"), "{message}");
+    let message = refusal(format!("newmtl red\n{KITE}f 1 2 x\n").as_bytes());
+    assert!(message.starts_with("m.obj:7:7: expected a vertex number, found 'x'"), "{message}");
 }
 
 #[test]

@@ -55,11 +55,6 @@ impl Clean {
         }
     }
 
-    /// Whether there is nothing that a mesh file has.
-    pub fn is_empty(&self) -> bool {
-        self.vertices + self.faces + self.degenerate + self.points + self.lines + self.curved == 0
-    }
-
     /// What the file's author should know.
     pub fn warnings(&self, source: &SourceText) -> Vec<String> {
         let mut warnings = Vec::new();

@@ -1,5 +1,7 @@
 //! What a file that is no OBJ file seems to be, by how it begins.
 
+use super::statements::{Kind, Statements, separates};
+
 /// What follows the first bytes of a file of each kind is no OBJ text.
 const BINARY: &[(&[u8], &str)] = &[
     (b"\x1f\x8b", "compressed with gzip"),
@@ -61,12 +63,12 @@ const FIRST_WORDS: &[(&str, &str)] = &[
     ("newmtl", "a material library (MTL), not a mesh"),
 ];
 
-/// Says what a file seems to be, if that is not an OBJ file; `text` is its decoded beginning.
+/// Says what a file seems to be, if that is not an OBJ file; `text` is its decoded content.
 pub(super) fn kind_of(bytes: &[u8], text: &str) -> Option<&'static str> {
     if bytes.is_empty() {
         return Some("empty");
     }
-    let start = text.trim_start_matches(super::statements::separates);
+    let start = text.trim_start_matches(separates);
     if start.is_empty() {
         return Some("empty but for white space");
     }
@@ -76,11 +78,33 @@ pub(super) fn kind_of(bytes: &[u8], text: &str) -> Option<&'static str> {
     if let Some((_, what)) = BINARY.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Some(what);
     }
-    let end = start.char_indices().nth(40).map_or(start.len(), |(at, _)| at);
-    let start = start[..end].to_lowercase();
+    // A mesh may hold lines of other kinds, and begin with one.
+    let behind_comments = Statements::new(text).next().map_or("", |statement| &text[statement.keyword.start..]);
+    let what = kind_of_text(start).or_else(|| kind_of_text(behind_comments))?;
+    (!Statements::new(text).any(|statement| statement.kind == Kind::Vertex)).then_some(what)
+}
+
+/// Says what a text seems to be by how it begins.
+fn kind_of_text(text: &str) -> Option<&'static str> {
+    let end = text.char_indices().nth(40).map_or(text.len(), |(at, _)| at);
+    let start = text[..end].to_lowercase();
     let first_word = start.split_whitespace().next();
     let by_word = FIRST_WORDS.iter().find(|(word, _)| Some(*word) == first_word);
-    by_word.or_else(|| TEXTS.iter().find(|(text, _)| start.starts_with(text))).map(|(_, what)| *what)
+    let by_start = || TEXTS.iter().find(|(beginning, _)| start.starts_with(beginning));
+    by_word.or_else(by_start).map(|(_, what)| *what).or_else(|| is_path(text).then_some(PATH))
+}
+
+/// Where links are not supported, git stores a link as a file that holds the name of its target.
+const PATH: &str = "only a path, and seems to be a symbolic link that was stored as text";
+
+/// Whether a text is one short line that looks like the path of a file.
+fn is_path(text: &str) -> bool {
+    let line = text.trim_matches(separates);
+    let is_one_word = !line.contains(separates);
+    let is_name = line.len() <= 1000 && !line.contains(['\n', '\r', '#']) && !line.contains("://");
+    let is_relative = ["./", "../", ".\\", "..\\"].iter().any(|start| line.starts_with(start));
+    let looks_so = line.contains(['/', '\\']) || line.to_lowercase().ends_with(".obj");
+    is_name && looks_so && (is_one_word || is_relative)
 }
 
 /// A head of 80 bytes, the number of triangles, and 50 bytes for each of them.

@@ -143,7 +143,7 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
         Err(_) if foreign::is_binary(&source.text) => return Err(no_mesh(&source)),
         clean => clean?,
     };
-    if clean.is_empty() {
+    if clean.vertices == 0 && (clean.degenerate == 0 || foreign::is_binary(&source.text)) {
         return Err(no_mesh(&source));
     }
     let warnings = clean.warnings(&source);
@@ -152,7 +152,7 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
     Ok(finish(faces, counts, warnings, || source))
 }
 
-/// The error for a file with nothing that a mesh has.
+/// The error for a file without a vertex.
 fn no_mesh(source: &Arc<SourceText>) -> Error {
     if foreign::is_binary(&source.text) {
         return Error::file(&source.path, "this is no OBJ mesh: the file is binary");
