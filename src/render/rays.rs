@@ -62,23 +62,26 @@ impl RayMaker {
                 _ => self.for_each_grid_pixel(pixels, |pixel| places.push(corner(pixel))),
             };
         };
-        let samples = self.samples as usize;
-        let grid_pixels = (self.finer * self.finer) as usize * pixels.len();
-        places.resize(grid_pixels * samples, (0.0, 0.0));
-        let (grid, seed, mut rest) = (self.grid, self.seed, places.as_mut_slice());
+        let mut listed = Vec::new();
+        let pixels = match self.finer {
+            1 => pixels,
+            _ => {
+                self.for_each_grid_pixel(pixels, |pixel| listed.push(pixel));
+                &listed
+            }
+        };
+        let (samples, grid, seed) = (self.samples, self.grid, self.seed);
+        places.resize(pixels.len() * samples as usize, (0.0, 0.0));
+        let places = places.as_mut_slice();
         // One call for all pixels, because a call costs some 80 instructions.
-        with_simd!(self.simd, simd => vectorize!(simd, self.for_each_grid_pixel(
-            pixels,
-            #[inline(always)]
-            move |pixel| {
-                let (places, later) = std::mem::take(&mut rest).split_at_mut(samples);
-                pattern.set(pixel, 0, seed).write_offsets(0, places);
+        with_simd!(self.simd, simd => vectorize!(simd, {
+            pattern.write_sets(pixels, samples, seed, places);
+            for (&pixel, places) in pixels.iter().zip(places.chunks_exact_mut(samples as usize)) {
                 for place in places {
                     *place = grid.place(pixel, *place);
                 }
-                rest = later;
-            },
-        )));
+            }
+        }));
     }
 
     /// Replaces `places` by those of parts of sets: for each part the pixel of the picture, the pattern and number of the
@@ -105,7 +108,6 @@ impl RayMaker {
     }
 
     /// Calls `f` with the pixels of the traced grid that pixels of the picture consist of.
-    #[inline(always)]
     fn for_each_grid_pixel(&self, pixels: &[(u32, u32)], mut f: impl FnMut((u32, u32))) {
         let finer = self.finer;
         for &(x, row) in pixels {

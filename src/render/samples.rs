@@ -4,7 +4,7 @@
 //! Each sampler gives any number of samples. Each single sample is uniform in the pixel, so that the mean is unbiased
 //! for any number of samples. The samplers differ in how evenly the samples of a pixel are distributed together.
 
-use super::sobol::Sobol;
+use super::sobol::{BLOCK, Sobol};
 use super::stratified::{Cells, below_one};
 use crate::options::SamplerKind;
 use vecmath::Real;
@@ -34,6 +34,32 @@ impl SamplePattern {
         // Set 0 uses the seed as it is, so that the default pictures keep their samples.
         let seed = if set == 0 { seed } else { mixed(seed ^ u64::from(set).rotate_left(40)) };
         SampleSet { pattern: self, pixel_bits: mixed(seed ^ mixed(u64::from(x) << 32 | u64::from(row))) }
+    }
+
+    /// Writes the first `N` Sobol samples of each pixel, which fill no block: those of several pixels together.
+    #[inline(always)]
+    fn write_first<const N: usize>(&self, pixels: &[(u32, u32)], seed: u64, offsets: &mut [(Real, Real)]) {
+        for (pixels, offsets) in pixels.chunks(BLOCK / N).zip(offsets.chunks_mut(BLOCK)) {
+            let mut sequences = [Sobol::new([0; 2]); BLOCK];
+            for (sequence, &pixel) in sequences.iter_mut().zip(pixels) {
+                *sequence = self.set(pixel, 0, seed).sobol();
+            }
+            offsets.copy_from_slice(&Sobol::first_of_each::<N>(&sequences)[..offsets.len()]);
+        }
+    }
+
+    /// Writes the offsets of `samples` samples of each pixel: the whole set 0. Call it inside `vectorize`.
+    #[inline(always)]
+    pub fn write_sets(&self, pixels: &[(u32, u32)], samples: u32, seed: u64, offsets: &mut [(Real, Real)]) {
+        match (self.kind, samples) {
+            (SamplerKind::Sobol, 2) => self.write_first::<2>(pixels, seed, offsets),
+            (SamplerKind::Sobol, 4) => self.write_first::<4>(pixels, seed, offsets),
+            _ => {
+                for (&pixel, offsets) in pixels.iter().zip(offsets.chunks_exact_mut(samples as usize)) {
+                    self.set(pixel, 0, seed).write_offsets(0, offsets);
+                }
+            }
+        }
     }
 }
 
@@ -168,6 +194,22 @@ mod tests {
                         assert_eq!(written, expected, "{kind:?} {simd:?} {first}..{count}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn sets_of_many_pixels_are_those_of_each_with_every_instruction_set() {
+        let pixels: Vec<(u32, u32)> = (0..13).map(|x| (x, x / 3)).collect();
+        for (kind, count) in SamplerKind::ALL.into_iter().flat_map(|kind| COUNTS.map(|count| (kind, count))) {
+            let pattern = SamplePattern::new(kind, count);
+            let of_pixel = |&pixel| (0..count).map(move |sample| pattern.set(pixel, 0, 5).offset(sample));
+            let expected: Vec<_> = pixels.iter().flat_map(of_pixel).collect();
+            for simd in InstructionSet::available() {
+                let mut written = vec![(-1.0, -1.0); expected.len()];
+                let (pixels, offsets) = (pixels.as_slice(), written.as_mut_slice());
+                with_simd!(simd, simd => vectorize!(simd, pattern.write_sets(pixels, count, 5, offsets)));
+                assert_eq!(written, expected, "{kind:?} {simd:?} {count}");
             }
         }
     }

@@ -17,7 +17,7 @@
 use vecmath::Real;
 
 /// Samples that are computed together.
-const BLOCK: usize = 8;
+pub const BLOCK: usize = 8;
 
 /// A scrambled sequence. Sequences with independent keys are independent.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +55,28 @@ impl Sobol {
             start = start.wrapping_add(BLOCK as u32);
             skipped = 0;
         }
+    }
+
+    /// Returns the first `N` samples of each sequence, one sequence after the other, as many as fit into a block; `N` is 2
+    /// or 4. Call it inside `vectorize`.
+    #[inline(always)]
+    pub fn first_of_each<const N: usize>(sequences: &[Self; BLOCK]) -> [(Real, Real); BLOCK] {
+        let [mut x, mut y] = [[[0; BLOCK]; 2]; 2];
+        for (number, sequence) in sequences[..BLOCK / N].iter().enumerate() {
+            for lane in N * number..N * number + N {
+                (x[0][lane], x[1][lane]) = (sequence.x.summand, sequence.x.factor);
+                (y[0][lane], y[1][lane]) = (sequence.y.summand, sequence.y.factor);
+            }
+        }
+        let mut bits = [[0; BLOCK]; 2];
+        for lane in 0..BLOCK {
+            let index = (lane % N) as u32;
+            // What `second_dimension` is for less than four.
+            let second = index ^ (index >> 1);
+            bits[0][lane] = Scrambling { summand: x[0][lane], factor: x[1][lane] }.scrambled(index);
+            bits[1][lane] = Scrambling { summand: y[0][lane], factor: y[1][lane] }.scrambled(second);
+        }
+        std::array::from_fn(|lane| (unit(bits[0][lane]), unit(bits[1][lane])))
     }
 
     /// Returns the aligned block of samples that begins at `start`.
