@@ -155,6 +155,16 @@ impl Columns<'_> {
         }
     }
 
+    /// Sets all pixels to the same colour, normal and depth, where the film has planes for them.
+    pub fn fill(&mut self, color: Vector3, normal: Vector3, depth: Real) {
+        let fill_bytes = |row: &mut [u8], [r, g, b]: [Real; 3]| row.as_chunks_mut().0.fill([r, g, b].map(to_byte));
+        let linear = color.to_array().map(|c| c as f32);
+        self.rows_of(|film| &mut film.linear, 3).for_each(|row| row.as_chunks_mut().0.fill(linear));
+        self.rows_of(|film| &mut film.color, 3).for_each(|row| fill_bytes(row, color.to_array()));
+        self.rows_of(|film| &mut film.normals, 3).for_each(|row| fill_bytes(row, normal.to_array()));
+        self.rows_of(|film| &mut film.depth, 1).for_each(|row| row.fill(to_byte(depth)));
+    }
+
     /// Iterates over the rows of a plane within the columns, each with its pixels, if the film has this plane.
     fn rows<'p, T: 'static, P>(
         &mut self,
@@ -162,10 +172,20 @@ impl Columns<'_> {
         channels: usize,
         pixels: &'p [P],
     ) -> impl Iterator<Item = (&mut [T], &'p [P])> {
+        let count = self.count;
+        self.rows_of(plane, channels).zip(pixels.chunks_exact(count))
+    }
+
+    /// Iterates over the rows of a plane within the columns, if the film has this plane.
+    fn rows_of<T: 'static>(
+        &mut self,
+        plane: impl Fn(&mut Film) -> &mut Option<Vec<T>>,
+        channels: usize,
+    ) -> impl Iterator<Item = &mut [T]> {
         let width = self.film.width as usize;
         let part = channels * self.first..channels * (self.first + self.count);
         let rows = plane(self.film).iter_mut().flat_map(move |plane| plane.chunks_exact_mut(channels * width));
-        rows.map(move |row| &mut row[part.clone()]).zip(pixels.chunks_exact(self.count))
+        rows.map(move |row| &mut row[part.clone()])
     }
 }
 

@@ -36,15 +36,19 @@ pub fn variances<'a>(
     let trace_corners = |tracer: &mut Box<dyn Tracer + 'a>, in_part: Tile| {
         let tile = Tile { x: part.x + in_part.x, row: part.row + in_part.row, ..in_part };
         let (mut seen, mut is_whole) = (Vec::new(), true);
-        if empty.contain(&tile) {
-            seen = vec![empty.seen_through(&tile, &mut **tracer); (tile.width * tile.height) as usize];
+        let is_empty = empty.contain(&tile);
+        if is_empty {
+            seen.push(empty.seen_through(&tile, &mut **tracer));
         } else {
             let places: Vec<_> = tile.pixels().map(|corner| maker.corner(corner)).collect();
             is_whole = tracer.trace(maker.grid, &places, &mut seen);
         }
         // A poisoned lock means that another thread has panicked; that panic will be reported.
         if let Ok(mut corners) = corners.lock() {
-            corners.set(in_part, &seen);
+            match is_empty {
+                true => corners.rows(in_part).for_each(|row| row.fill(displayed(seen[0].color))),
+                false => corners.set(in_part, &seen),
+            }
             corners.counts += tracer.take_counts();
         }
         is_whole
@@ -59,24 +63,32 @@ pub fn variances<'a>(
 }
 
 impl Corners {
+    /// Iterates over the rows of a tile.
+    fn rows(&mut self, tile: Tile) -> impl Iterator<Item = &mut [[u8; 3]]> {
+        let rows = self.bytes.chunks_exact_mut(self.columns).skip(tile.row as usize).take(tile.height as usize);
+        rows.map(move |row| &mut row[tile.x as usize..][..tile.width as usize])
+    }
+
     fn set(&mut self, tile: Tile, seen: &[Seen]) {
-        for ((x, row), seen) in tile.pixels().zip(seen) {
-            self.bytes[row as usize * self.columns + x as usize] = displayed(seen.color);
+        for (row, seen) in self.rows(tile).zip(seen.chunks_exact(tile.width as usize)) {
+            row.iter_mut().zip(seen).for_each(|(bytes, seen)| *bytes = displayed(seen.color));
         }
     }
 
     /// Sets the variances of a row of pixels.
     fn set_variances(&self, row: usize, variances: &mut [f32]) {
-        let corners = |row: usize| self.bytes[row * self.columns..][..self.columns].windows(2);
-        for (variance, (upper, lower)) in variances.iter_mut().zip(corners(row).zip(corners(row + 1))) {
-            // Three times the variance of four numbers is the sum of their squares less a quarter of the square of their
-            // sum.
-            let squares = |c: usize| {
-                let levels = [upper[0], upper[1], lower[0], lower[1]].map(|corner| u32::from(corner[c]));
-                let sum = levels.iter().sum::<u32>();
-                4 * levels.iter().map(|level| level * level).sum::<u32>() - sum * sum
-            };
-            *variance = (squares(0) + squares(1) + squares(2)) as f32 / 36.0;
+        const CHANNELS: usize = 3;
+        let corners = |row: usize| self.bytes[row * self.columns..][..self.columns].as_flattened();
+        let columns = corners(row).iter().zip(corners(row + 1)).map(|(&a, &b)| [u32::from(a), u32::from(b)]);
+        // Of each channel of each column of corners: plain loops, which are several numbers an instruction.
+        let sums: Vec<u32> = columns.clone().map(|[upper, lower]| upper + lower).collect();
+        let squares: Vec<u32> = columns.map(|[upper, lower]| upper * upper + lower * lower).collect();
+        let sums = sums.iter().zip(&sums[CHANNELS..]).map(|(left, right)| left + right);
+        let squares = squares.iter().zip(&squares[CHANNELS..]).map(|(left, right)| left + right);
+        // Three times the variance of four numbers is the sum of their squares less a quarter of the square of their sum.
+        let spreads: Vec<u32> = squares.zip(sums).map(|(squares, sum)| 4 * squares - sum * sum).collect();
+        for (variance, channels) in variances.iter_mut().zip(spreads.as_chunks::<CHANNELS>().0) {
+            *variance = channels.iter().sum::<u32>() as f32 / 36.0;
         }
     }
 }

@@ -98,6 +98,11 @@ pub fn store(pixels: &[Pixel], film: &mut Columns) {
     film.set_depths(pixels, |pixel| pixel.depth);
 }
 
+/// Stores the same pixel everywhere.
+pub fn fill(pixel: &Pixel, film: &mut Columns) {
+    film.fill(pixel.color, pixel.normal, pixel.depth);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use super::error_estimate::ErrorEstimate;
 use super::error_map;
 use super::error_sums::ErrorSums;
 use super::frame::{Frame, SampleCounts};
-use super::pixel::{Pixel, filter_weight, finite, store};
+use super::pixel::{Pixel, fill, filter_weight, finite, store};
 use super::rays::RayMaker;
 use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
@@ -167,7 +167,8 @@ impl<'a> TileRenderer<'a> {
         pixels.clear();
         let is_whole = places.chunks(pixels_at_once).all(|places| self.resolve(places, &mut pixels));
         pixels.resize(places.len(), Pixel::default());
-        let cost = self.finished(&pixels, film, if is_whole { rays_a_pixel as u32 } else { 0 });
+        store(&pixels, film);
+        let cost = self.finished(pixels.len(), film, if is_whole { rays_a_pixel as u32 } else { 0 });
         (self.tile_places, self.pixels) = (places, pixels);
         cost
     }
@@ -178,18 +179,18 @@ impl<'a> TileRenderer<'a> {
         // Summed up like any other pixel, because sums round.
         let rays_a_pixel = self.options.samples_a_pixel() as usize;
         let pixel = self.maker.mean(&vec![seen; rays_a_pixel]);
-        let pixels = vec![pixel; (tile.width * tile.height) as usize];
-        self.errors.add_exact(pixels.len() as u64);
-        self.variances.resize(if self.planes.error_map { pixels.len() } else { 0 }, 0.0);
-        self.finished(&pixels, film, 1)
+        fill(&pixel, film);
+        let pixels = (tile.width * tile.height) as usize;
+        self.errors.add_exact(pixels as u64);
+        self.variances.resize(if self.planes.error_map { pixels } else { 0 }, 0.0);
+        self.finished(pixels, film, 1)
     }
 
-    fn finished(&mut self, pixels: &[Pixel], film: &mut Columns, samples: u32) -> TileCost {
-        store(pixels, film);
+    fn finished(&mut self, pixels: usize, film: &mut Columns, samples: u32) -> TileCost {
         film.set_variances(&self.variances);
         self.variances.clear();
         TileCost {
-            samples: SampleCounts::of_pixels(pixels.len() as u64, samples),
+            samples: SampleCounts::of_pixels(pixels as u64, samples),
             counts: self.tracer.take_counts(),
             errors: take(&mut self.errors),
             filter: take(&mut self.filter),
