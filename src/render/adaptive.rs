@@ -7,7 +7,7 @@
 //! picture decides when to stop: what the samples say, what the pilot says, and what no ray can have met. So no pixel
 //! is biased by its own samples, but for its small share in the error of the whole.
 
-use super::allocation::Allocation;
+use super::allocation::{Allocation, Goal};
 use super::bands::Bands;
 use super::empty_tiles::EmptyTiles;
 use super::error_estimate::ErrorEstimate;
@@ -128,7 +128,7 @@ impl Picture<'_> {
     fn sample_evenly(&mut self) {
         let goal = self.options.samples_a_pixel().next_power_of_two().max(2);
         let mut samples = 2;
-        while self.pass(|_| samples.min(goal)) && samples < goal {
+        while self.pass(&Goal::Same(samples.min(goal))) && samples < goal {
             samples *= 2;
         }
     }
@@ -136,7 +136,7 @@ impl Picture<'_> {
     /// Takes samples where they are needed until the estimated error is at most `levels`, with what no sample has met.
     fn sample_to_error(&mut self, levels: f64) {
         let aim = levels * levels;
-        if !self.pass(|_| 2) {
+        if !self.pass(&Goal::Same(2)) {
             return;
         }
         let first = self.estimate();
@@ -144,18 +144,19 @@ impl Picture<'_> {
             return;
         }
         let Some(part) = self.part_with_objects() else { return };
-        let (width, order) = (part.width as usize, self.options.measure.sampler.convergence_order());
+        let order = self.options.measure.sampler.convergence_order();
         let pixels = u64::from(self.options.width) * u64::from(self.options.height);
-        let mut allocation = Allocation::new(pixels, order);
+        let mut allocation = Allocation::new(pixels, part, order);
         let is_far = first.is_some_and(|estimate| estimate.seen.powi(2) > FAR * aim) || pixels < SMALL;
         if is_far {
             let tracer = || tracer(self.scene, self.plan, self.deadline);
             let Some((variances, counts)) = pilot::variances(part, self.maker, self.empty, tracer) else { return };
             self.pilot = Some(counts);
-            allocation.set_pilot(&variances, width);
+            allocation.set_pilot(&variances);
         }
         // What the first samples say of the model is rough. If it asks for many more, that may be too many.
         let mut margin = if is_far { 1.5 } else { 0.8 };
+        let mut variances = vec![0.0; (part.width * part.height) as usize];
         loop {
             let Some(estimate) = self.estimate() else { return };
             let measured = estimate.seen.powi(2);
@@ -164,12 +165,13 @@ impl Picture<'_> {
                 return;
             }
             if self.passes > 1 || !is_far {
-                allocation.refine(&self.sample_variances(part, order), width);
+                self.copy_variances(part, order, &mut variances);
+                allocation.refine(&variances);
                 allocation.calibrate(measured);
             }
             let unseen = |floor: u32| Unseen { samples: floor + u32::from(is_far), pixels };
             let is_more = allocation.raise(aim, margin, unseen) || allocation.raise(aim, LATER_MARGIN, unseen);
-            if !is_more || !self.pass(|pixel| allocation.goal(part.index_of(pixel))) {
+            if !is_more || !self.pass(&Goal::Allocated(&allocation)) {
                 return;
             }
             margin = LATER_MARGIN;
@@ -182,17 +184,12 @@ impl Picture<'_> {
         tiles.map(|tile| tile.tile).reduce(|a, b| a.union(&b))
     }
 
-    /// Returns the variance of a sample of each pixel of a part of the picture in squared levels, by its own samples.
-    fn sample_variances(&self, part: Tile, order: f64) -> Vec<f32> {
-        let mut variances = vec![0.0; (part.width * part.height) as usize];
-        let powers: Vec<f32> = (0..32).map(|power| (order * f64::from(power)).exp2() as f32).collect();
-        for tile in self.tiles.iter().filter_map(|tile| tile.lock().ok()).filter(|tile| !tile.is_empty) {
-            for (index, pixel) in tile.tile.pixels().enumerate() {
-                let power = tile.samples(index).checked_ilog2().unwrap_or(0) as usize;
-                variances[part.index_of(pixel)] = tile.variance(index) * powers[power];
-            }
-        }
-        variances
+    /// Replaces the variances of a sample of each pixel of a part of the picture, in squared levels and by its own samples,
+    /// where there are new ones.
+    fn copy_variances(&self, part: Tile, order: f64, variances: &mut [f32]) {
+        let powers = std::array::from_fn(|power| (order * power as f64).exp2() as f32);
+        let tiles = self.tiles.iter().filter_map(|tile| tile.lock().ok()).filter(|tile| !tile.is_empty);
+        tiles.for_each(|mut tile| tile.copy_variances(&powers, part, variances));
     }
 
     /// Returns the estimated error of the pixels that have samples; `None` if there are none.

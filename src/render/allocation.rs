@@ -13,6 +13,7 @@
 //! [`Unseen`](super::unseen::Unseen)).
 
 use super::error_map::{of_neighbours, pooled};
+use super::tiles::Tile;
 use super::unseen::Unseen;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -32,9 +33,43 @@ const STEPS: i32 = 16;
 /// the pilot rays.
 const MOST_TOO_LARGE: f64 = 16.0;
 
+/// How many samples the pixels of a picture shall have.
+pub enum Goal<'a> {
+    /// Every pixel so many.
+    Same(u32),
+    Allocated(&'a Allocation),
+}
+
+impl Goal<'_> {
+    /// Returns the number of samples of a pixel.
+    pub fn of(&self, pixel: (u32, u32)) -> u32 {
+        match self {
+            Self::Same(samples) => *samples,
+            Self::Allocated(allocation) => allocation.goal(allocation.part.index_of(pixel)),
+        }
+    }
+
+    /// Returns the largest number of any pixel of a tile.
+    pub fn most(&self, tile: &Tile) -> u32 {
+        match self {
+            Self::Same(samples) => *samples,
+            Self::Allocated(allocation) => {
+                let row = |row: u32| {
+                    let first = allocation.part.index_of((tile.x, row));
+                    allocation.steps[first..first + tile.width as usize].iter().max()
+                };
+                let most = (tile.row..tile.row + tile.height).filter_map(row).max();
+                most.map_or(0, |&step| allocation.samples_of_step[usize::from(step)])
+            }
+        }
+    }
+}
+
 /// The model of the error, and the number of samples of each pixel.
 #[derive(Debug)]
 pub struct Allocation {
+    /// The part of the picture that is not exact.
+    part: Tile,
     /// For each pixel the logarithm of its weight (s^2)^(1/(1 + b)), s^2 in multiples of the least, in steps.
     steps: Vec<u8>,
     /// The steps that pixels have.
@@ -81,8 +116,9 @@ impl Goals {
 impl Allocation {
     /// Makes an allocation for a picture of so many pixels. `order` is the convergence order. What it is told of pixels,
     /// by [`set_pilot`](Self::set_pilot) or [`refine`](Self::refine), is of a part of them: all others are exact.
-    pub fn new(pixels: u64, order: f64) -> Self {
+    pub fn new(pixels: u64, part: Tile, order: f64) -> Self {
         Self {
+            part,
             steps: Vec::new(),
             classes: Vec::new(),
             order,
@@ -94,18 +130,18 @@ impl Allocation {
         }
     }
 
-    /// Takes the variance of a sample in each pixel, in squared levels, as a pilot saw it; rows of `width`.
-    pub fn set_pilot(&mut self, variances: &[f32], width: usize) {
-        let pilot = pooled(variances, width);
+    /// Takes the variance of a sample in each pixel, in squared levels, as a pilot saw it.
+    pub fn set_pilot(&mut self, variances: &[f32]) {
+        let pilot = pooled(variances, self.part.width as usize);
         self.set_variances(&pilot);
         self.pilot = pilot;
     }
 
     /// Takes the samples of each pixel's neighbours into account: `variances` of a sample by each pixel's own samples.
     /// A pixel's own samples have no say in how many more it gets.
-    pub fn refine(&mut self, variances: &[f32], width: usize) {
+    pub fn refine(&mut self, variances: &[f32]) {
         let calibration = self.calibration as f32;
-        let mut variances = of_neighbours(variances, width);
+        let mut variances = of_neighbours(variances, self.part.width as usize);
         let both = variances.par_iter_mut().zip(&self.pilot);
         both.for_each(|(samples, pilot)| *samples = (*samples + calibration * pilot) / 2.0);
         self.set_variances(&variances);
@@ -114,7 +150,11 @@ impl Allocation {
     fn set_variances(&mut self, variances: &[f32]) {
         let weight_of_doubling = STEPS as f32 / (1.0 + self.order) as f32;
         let least = LEAST_VARIANCE_LOG2.exp2();
-        let step = |variance: &f32| (weight_of_doubling * (variance / least).max(1.0).log2() + 0.5) as u8;
+        // Most have the least, and a logarithm takes long.
+        let step = |&variance: &f32| match variance > least {
+            true => (weight_of_doubling * (variance / least).log2() + 0.5) as u8,
+            false => 0,
+        };
         self.steps = variances.par_iter().map(step).collect();
         let mut pixels = [0u32; 256];
         self.steps.iter().for_each(|&step| pixels[usize::from(step)] += 1);
@@ -126,8 +166,8 @@ impl Allocation {
         self.classes = pixels.iter().enumerate().filter(|step| *step.1 > 0).map(class).collect();
     }
 
-    /// Returns the number of samples of a pixel, once [`raise`](Self::raise) has decided it.
-    pub fn goal(&self, pixel: usize) -> u32 {
+    /// Returns the number of samples of a pixel of the part, once [`raise`](Self::raise) has decided it.
+    fn goal(&self, pixel: usize) -> u32 {
         self.samples_of_step[usize::from(self.steps[pixel])]
     }
 
@@ -200,8 +240,10 @@ mod tests {
     }
 
     fn with_pilot(variances: &[f32], width: usize, order: f64) -> Allocation {
-        let mut allocation = Allocation::new(variances.len() as u64, order);
-        allocation.set_pilot(variances, width);
+        let height = (variances.len() / width) as u32;
+        let part = Tile { x: 0, row: 0, width: width as u32, height };
+        let mut allocation = Allocation::new(variances.len() as u64, part, order);
+        allocation.set_pilot(variances);
         allocation
     }
 

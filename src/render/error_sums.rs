@@ -1,33 +1,10 @@
 //! [`ErrorSums`]: sums over pixels, of which an [`ErrorEstimate`] is made.
 
 use super::error_estimate::{ErrorEstimate, Interval};
+use super::halves_error::{HalvesError, clamped_variance};
 use super::spread::{SetKind, Spread};
 use super::unseen::{EXPECTED, Unseen};
 use vecmath::Vector3;
-
-/// What two halves say of the error of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct HalvesError {
-    /// Root of the mean squared error of the colour as traced, over the channels. A square may be beyond an `f32`.
-    linear: f32,
-    /// Mean squared error in squared levels.
-    pub squared_levels: f32,
-}
-
-impl HalvesError {
-    /// Compares the means of two halves, whose squared difference is `factor` times four times the squared error.
-    #[inline]
-    pub fn new(a: Vector3, b: Vector3, factor: f64) -> Self {
-        let [mut linear, mut levels] = [0.0; 2];
-        for (a, b) in [(a.x, b.x), (a.y, b.y), (a.z, b.z)] {
-            let (a, b) = (a as f64, b as f64);
-            let variance = (0.5 * (a - b)).powi(2) * factor;
-            linear += variance;
-            levels += clamped_variance(0.5 * (a + b), variance);
-        }
-        Self { linear: (linear / 3.0).sqrt() as f32, squared_levels: (255.0 * 255.0 / 3.0 * levels) as f32 }
-    }
-}
 
 /// Sums over pixels, from which the error is estimated.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,12 +81,17 @@ impl ErrorSums {
         self.add_means(kind.relative_variance(sets), spread.means(), shown.means())
     }
 
-    /// Adds a pixel of two halves, with their [`HalvesError`].
-    pub fn add_halves(&mut self, error: &HalvesError) {
-        let linear = f64::from(error.linear).powi(2);
-        let levels = f64::from(error.squared_levels) / (255.0 * 255.0);
+    /// Adds pixels of two halves each.
+    pub fn add_halves<'a>(&mut self, errors: impl IntoIterator<Item = &'a HalvesError>) {
         let relative_variance = SetKind::Independent.relative_variance(2);
-        self.add_means(relative_variance, [linear; 2], [levels; 2]);
+        // Sums in registers, because there are many pixels.
+        let Self { mut pixels, mut linear, mut levels, .. } = *self;
+        for error in errors {
+            pixels += 1;
+            linear.add([error.squared_linear(); 2], relative_variance);
+            levels.add([f64::from(error.squared_levels) / (255.0 * 255.0); 2], relative_variance);
+        }
+        *self = Self { pixels, linear, levels, ..*self };
     }
 
     /// Adds the fine and the coarse spread of a pixel, averaged over the channels. Returns the coarse one in squared
@@ -192,30 +174,9 @@ fn clamped(mean: Vector3, variances: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]))
 }
 
-/// Returns the mean squared error that remains of an error of +-sqrt(`variance`) after both values are clamped.
-#[inline]
-fn clamped_variance(mean: f64, variance: f64) -> f64 {
-    let room = mean.min(1.0 - mean);
-    if room >= 0.0 && variance <= room * room {
-        return variance;
-    }
-    let (error, shown) = (variance.sqrt(), mean.clamp(0.0, 1.0));
-    let square = |other: f64| (other.clamp(0.0, 1.0) - shown).powi(2);
-    (square(mean + error) + square(mean - error)) / 2.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn errors_outside_the_clamped_range_do_not_count() {
-        assert_eq!(clamped_variance(0.5, 0.01), 0.01);
-        assert_eq!(clamped_variance(3.0, 1.0), 0.0);
-        assert_eq!(clamped_variance(-1.0, 0.25), 0.0);
-        // At the edge, only one side of the error is left.
-        assert!((clamped_variance(1.0, 0.01) - 0.005).abs() < 1e-15);
-    }
 
     fn compared([a, b]: [Vector3; 2]) -> HalvesError {
         HalvesError::new(a, b, 1.0)
@@ -228,9 +189,7 @@ mod tests {
     #[test]
     fn the_error_of_halves_is_half_their_difference() {
         let mut sums = ErrorSums::default();
-        (0..100).for_each(|_| {
-            sums.add_halves(&compared(halves()));
-        });
+        sums.add_halves(&[compared(halves()); 100]);
         let expected = ((0.1f64.powi(2) + 0.05f64.powi(2)) / 3.0).sqrt();
         let estimate = sums.estimate(SetKind::Independent, 2).unwrap();
         assert!((estimate.linear.rmse - expected).abs() < 1e-6);
@@ -241,9 +200,7 @@ mod tests {
     #[test]
     fn samples_that_agree_prove_no_error_of_zero() {
         let mut sums = ErrorSums::default();
-        (0..900).for_each(|_| {
-            sums.add_halves(&compared([Vector3::splat(0.5); 2]));
-        });
+        sums.add_halves(&[compared([Vector3::splat(0.5); 2]); 900]);
         let levels = |sums: &ErrorSums, samples| sums.estimate(SetKind::Independent, samples).unwrap().levels;
         // 3 * 255^2 / (2^2 * 900), and a sixth of it.
         let two = levels(&sums, 2);
@@ -259,9 +216,7 @@ mod tests {
     #[test]
     fn unseen_details_are_as_bright_as_anything_can_be() {
         let mut sums = ErrorSums::default();
-        (0..900).for_each(|_| {
-            sums.add_halves(&compared([Vector3::splat(50.0); 2]));
-        });
+        sums.add_halves(&[compared([Vector3::splat(50.0); 2]); 900]);
         sums.see(Vector3::splat(50.0));
         // Not less than what was seen. Of levels the sum is at most 1: 3 / 900 times 300.
         for (brightest, levels, linear) in [
@@ -286,9 +241,7 @@ mod tests {
         sums.add_exact(75);
         assert_eq!(sums.estimate(SetKind::Independent, 2).unwrap(), ErrorEstimate::default());
         let mut mixed = ErrorSums::default();
-        (0..25).for_each(|_| {
-            mixed.add_halves(&compared(halves()));
-        });
+        mixed.add_halves(&[compared(halves()); 25]);
         let alone = mixed.estimate(SetKind::Independent, 2).unwrap();
         mixed.merge(&sums);
         let mixed = mixed.estimate(SetKind::Independent, 2).unwrap();
@@ -300,9 +253,7 @@ mod tests {
     #[test]
     fn pixels_that_were_not_reached_may_be_black_or_white() {
         let mut sums = ErrorSums::default();
-        (0..100).for_each(|_| {
-            sums.add_halves(&compared(halves()));
-        });
+        sums.add_halves(&[compared(halves()); 100]);
         let reached = sums.estimate(SetKind::Independent, 2).unwrap();
         let whole = reached.with_rest(0.75, 20.0);
         assert!((whole.levels.rmse.powi(2) - (0.75 * reached.levels.rmse.powi(2) + 100.0)).abs() < 1e-9);

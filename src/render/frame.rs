@@ -59,6 +59,18 @@ impl SampleCounts {
         self.unreached += if samples == 0 { pixels } else { 0 };
     }
 
+    /// Returns the counts of pixels with their numbers of samples. Sums without branches, because there are many.
+    pub fn of_each(samples: &[u32]) -> Self {
+        Self {
+            pixels: samples.len() as u64,
+            total: samples.iter().map(|&samples| u64::from(samples)).sum(),
+            least: samples.iter().copied().min(),
+            most: samples.iter().copied().max().unwrap_or(0),
+            unreached: samples.iter().map(|&samples| u64::from(samples == 0)).sum(),
+            passes: 0,
+        }
+    }
+
     /// Returns the counts of pixels with so many samples each.
     pub fn of_pixels(pixels: u64, samples: u32) -> Self {
         let mut counts = Self::default();

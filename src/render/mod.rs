@@ -14,6 +14,7 @@ mod error_map;
 mod error_sums;
 mod finishing;
 mod frame;
+mod halves_error;
 mod in_flight;
 mod passes;
 mod pilot;

@@ -3,7 +3,7 @@
 use super::pixel::{Pixel, filtered, finite, shown_depth, shown_normal};
 use super::samples::SamplePattern;
 use crate::camera::{PixelGrid, Place};
-use crate::options::Options;
+use crate::options::{Options, SamplerKind};
 use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
 use crate::trace::Seen;
 use vecmath::{Real, Vector3};
@@ -80,6 +80,24 @@ impl RayMaker {
                 for place in places {
                     *place = grid.place(pixel, *place);
                 }
+            }
+        }));
+    }
+
+    /// Replaces `places` by those of the first two Sobol samples of pixels of the picture.
+    pub fn set_pairs(&self, pixels: &[(u32, u32)], places: &mut Vec<Place>) {
+        let pattern = SamplePattern::new(SamplerKind::Sobol, 2);
+        places.resize(2 * pixels.len(), (0.0, 0.0));
+        let places = places.as_mut_slice();
+        with_simd!(self.simd, simd => vectorize!(simd, {
+            pattern.write_sets(pixels, 2, self.seed, places);
+            let pairs = pixels.iter().zip(places.as_chunks_mut::<2>().0);
+            // One branch for all, because loops without them are several places an instruction.
+            if self.finer == 1 {
+                let grid = self.grid;
+                pairs.for_each(|(&pixel, pair)| *pair = pair.map(|place| grid.place(pixel, place)));
+            } else {
+                pairs.for_each(|(&pixel, pair)| *pair = pair.map(|place| self.place_of_offset(pixel, place)));
             }
         }));
     }

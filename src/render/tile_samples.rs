@@ -1,14 +1,17 @@
 //! [`TileSamples`]: the samples of a tile in adaptive sampling.
 
-use super::error_sums::{ErrorSums, HalvesError};
+use super::allocation::Goal;
+use super::error_sums::ErrorSums;
 use super::frame::SampleCounts;
-use super::pixel::{Pixel, finite, store};
+use super::halves_error::HalvesError;
+use super::pixel::{Pixel, fill, finite, store};
 use super::preview::Preview;
 use super::spread::SetKind;
 use super::tiles::Tile;
 use crate::film::{Columns, Film, Planes};
 use crate::plan::Plan;
 use crate::ray_counts::RayCounts;
+use crate::simd::{InstructionSet, Simd, vectorize, with_simd};
 use crate::trace::Seen;
 use std::ops::Range;
 use vecmath::{Real, Vector3};
@@ -34,6 +37,8 @@ pub struct TileSamples {
     halves_errors: Vec<HalvesError>,
     /// Sums of depths and normals over both halves, for each pixel; empty without pictures of them.
     others: Vec<Pixel>,
+    /// Whether samples were added since the variances were last copied.
+    has_news: bool,
     /// The errors of the pixels that have samples.
     pub errors: ErrorSums,
     pub counts: RayCounts,
@@ -84,6 +89,7 @@ impl TileSamples {
             in_second: Vec::new(),
             halves_errors: Vec::new(),
             others: Vec::new(),
+            has_news: false,
             errors: ErrorSums::default(),
             counts: RayCounts::default(),
         }
@@ -101,6 +107,11 @@ impl TileSamples {
     /// Returns the number of its pixels.
     fn pixels(&self) -> usize {
         (self.tile.width * self.tile.height) as usize
+    }
+
+    /// Returns whether memory for samples was taken.
+    pub fn has_samples(&self) -> bool {
+        !self.samples.is_empty()
     }
 
     /// Takes the memory that samples need, if it is not there.
@@ -126,33 +137,91 @@ impl TileSamples {
     /// Returns the smallest number of samples that a pixel has, where it is not known without them; `None` if no pixel
     /// has any.
     pub fn fewest(&self) -> Option<u32> {
-        self.samples.iter().copied().filter(|&samples| samples > 0).min()
+        match self.least() {
+            0 => self.samples.iter().copied().filter(|&samples| samples > 0).min(),
+            least => Some(least),
+        }
     }
 
     /// Counts the samples of all pixels.
     pub fn count_samples(&self) -> SampleCounts {
-        if self.samples.is_empty() {
-            return SampleCounts::of_pixels(self.pixels() as u64, self.samples(0));
+        match self.samples.as_slice() {
+            [] => SampleCounts::of_pixels(self.pixels() as u64, self.samples(0)),
+            samples => SampleCounts::of_each(samples),
         }
-        let mut counts = SampleCounts::default();
-        self.samples.iter().for_each(|&samples| counts.add_pixels(1, samples));
-        counts
+    }
+
+    /// Returns the smallest number of samples of all pixels.
+    fn least(&self) -> u32 {
+        self.samples.iter().copied().min().unwrap_or(0)
     }
 
     /// Returns the squared error of a pixel in squared levels, the largest if it has no samples.
-    pub fn variance(&self, index: usize) -> f32 {
+    fn variance(&self, index: usize) -> f32 {
         match (self.samples(index), self.halves_errors.get(index)) {
             (0, _) => UNKNOWN,
             (_, error) => error.map_or(0.0, |error| error.squared_levels),
         }
     }
 
+    /// Copies the variance of a sample of each pixel in squared levels, by its own samples, to a part of the picture.
+    /// `powers` has what the squared error of 1, 2, 4 ... samples is multiplied by. Does nothing if they are the same as
+    /// when it was last called.
+    pub fn copy_variances(&mut self, powers: &[f32; 32], part: Tile, variances: &mut [f32]) {
+        if !std::mem::take(&mut self.has_news) {
+            return;
+        }
+        let width = self.tile.width as usize;
+        for row in 0..self.tile.height {
+            let first = part.index_of((self.tile.x, self.tile.row + row));
+            for (x, variance) in variances[first..first + width].iter_mut().enumerate() {
+                let index = row as usize * width + x;
+                let power = self.samples(index).checked_ilog2().unwrap_or(0) as usize;
+                *variance = self.variance(index) * powers[power];
+            }
+        }
+    }
+
     /// Replaces `wanted` by the pixels that have fewer samples than `goal` says.
-    pub fn pixels_below(&self, goal: impl Fn((u32, u32)) -> u32, wanted: &mut Vec<Wanted>) {
-        let of_pixel =
-            |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples(index)..goal(pixel) };
+    pub fn pixels_below(&self, goal: &Goal, wanted: &mut Vec<Wanted>) {
         wanted.clear();
+        if !self.samples.is_empty() && goal.most(&self.tile) <= self.least() {
+            return;
+        }
+        let of_pixel =
+            |(index, pixel): (usize, _)| Wanted { index, pixel, samples: self.samples(index)..goal.of(pixel) };
         wanted.extend(self.tile.pixels().enumerate().map(of_pixel).filter(|wanted| !wanted.samples.is_empty()));
+    }
+
+    /// Adds the first two samples of pixels from number `first` on, of which each is a half.
+    pub fn add_pairs(
+        &mut self,
+        simd: InstructionSet,
+        first: usize,
+        seen: &[Seen],
+        displayed: impl Fn(&Seen) -> Pixel,
+    ) {
+        let pairs = seen.as_chunks::<2>().0;
+        let pixels = first..first + pairs.len();
+        self.samples[pixels.clone()].fill(2);
+        self.has_news = true;
+        if let Some(sums) = self.colors.get_mut(pixels.clone()) {
+            let (mut seconds, mut brightest) = (vec![Vector3::ZERO; pairs.len()], Vector3::ZERO);
+            for ((pair, sum), second) in pairs.iter().zip(&mut *sums).zip(&mut seconds) {
+                let (a, b) = (finite(pair[0].color), finite(pair[1].color));
+                brightest = brightest.greater(a).greater(b);
+                (*sum, *second) = (a + b, b);
+            }
+            self.errors.see(brightest);
+            let (sums, seconds, errors) = (&*sums, &*seconds, &mut self.halves_errors[pixels.clone()]);
+            let factor = SetKind::usual_factor(2);
+            with_simd!(simd, simd => vectorize!(simd, HalvesError::write_each(errors, sums, seconds, factor)));
+        }
+        if let Some(others) = self.others.get_mut(pixels) {
+            for (pixel, pair) in others.iter_mut().zip(pairs) {
+                add_others(pixel, pair, &displayed);
+            }
+        }
     }
 
     /// Adds what the wanted samples of a pixel saw: of independent halves first those of the first one.
@@ -169,11 +238,9 @@ impl TileSamples {
             self.add_colors(index, samples, new);
         }
         self.samples[index] = samples;
+        self.has_news = true;
         if let Some(others) = self.others.get_mut(index) {
-            for pixel in seen.iter().map(displayed) {
-                others.depth += pixel.depth;
-                others.normal += pixel.normal;
-            }
+            add_others(others, seen, &displayed);
         }
     }
 
@@ -243,13 +310,18 @@ impl TileSamples {
             Some(preview) if self.samples(index) == 0 => preview.pixel(pixel),
             _ => self.mean(index),
         };
-        let pixels: Vec<Pixel> = match self.filled {
-            Some(pixel) => vec![pixel; self.pixels()],
-            None => self.tile.pixels().enumerate().map(pixel).collect(),
-        };
-        store(&pixels, film);
+        match self.filled {
+            Some(pixel) => fill(&pixel, film),
+            // The usual case: whole pixels take three times as long.
+            None if !self.has_others && self.least() > 0 => {
+                let means = self.colors.iter().zip(&self.samples);
+                let means: Vec<Vector3> = means.map(|(&sum, &samples)| sum * (1.0 / samples as Real)).collect();
+                film.set_colors(&means, |&color| color);
+            }
+            None => store(&self.tile.pixels().enumerate().map(pixel).collect::<Vec<_>>(), film),
+        }
         if film.have_variances() {
-            film.set_variances(&(0..pixels.len()).map(|index| self.variance(index)).collect::<Vec<_>>());
+            film.set_variances(&(0..self.pixels()).map(|index| self.variance(index)).collect::<Vec<_>>());
         }
     }
 
@@ -257,6 +329,14 @@ impl TileSamples {
     pub fn update_errors(&mut self) {
         self.errors.clear();
         let sampled = self.halves_errors.iter().zip(&self.samples).filter(|(_, samples)| **samples > 0);
-        sampled.for_each(|(error, _)| self.errors.add_halves(error));
+        self.errors.add_halves(sampled.map(|(error, _)| error));
+    }
+}
+
+/// Adds what pictures of depths and normals show.
+fn add_others(sum: &mut Pixel, seen: &[Seen], displayed: impl Fn(&Seen) -> Pixel) {
+    for pixel in seen.iter().map(displayed) {
+        sum.depth += pixel.depth;
+        sum.normal += pixel.normal;
     }
 }
