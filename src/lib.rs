@@ -56,7 +56,6 @@ mod write;
 
 use args::Request;
 use cost::Cost;
-use cube_map::CubeMap;
 use error::{Error, counted};
 use film::{BandWriter, PictureWriter};
 use inspect::inspect;
@@ -71,6 +70,7 @@ use scene::{Compiled, MeshFile, Scene, compile, without_mistakes};
 use scene_file::Description;
 use std::ffi::OsString;
 use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
 use timing::{Deadline, Stopwatch, Times, timed};
 
 /// The output and the exit code of a run.
@@ -174,12 +174,10 @@ fn render_since(
     let mut budget = Budget::new(options.max_memory);
     budget.add_pictures(render::bytes_needed(options))?;
     let reference = Reference::wanted_by(options)?;
-    let Some(Loaded { compiled, plan, hash, parse, loading }) = load(options, &mut budget)? else {
+    let Some(Loaded { compiled, plan, hash, parse, loading }) = load(options, &mut budget, &files)? else {
         return Ok(None);
     };
     let Compiled { scene, places, mesh_files, left_out, mut remarks, build } = compiled;
-    let faces = scene.background.cube_map.iter().flat_map(CubeMap::files);
-    output::check_inputs(&files, mesh_files.iter().map(|file| file.path.as_path()).chain(faces))?;
     let mut pictures = write::begin_pictures(options, files, hash)?;
     let (rendered, rendering) = timed(|| {
         let options = render::with_depth_range(&scene, options);
@@ -226,10 +224,15 @@ struct Loaded {
     loading: Times,
 }
 
-/// Reads a scene and the files that it names. `None`: all pictures are done already, and may be skipped.
-fn load(options: &Options, budget: &mut Budget) -> Result<Option<Loaded>, Error> {
+/// Reads a scene and the files that it names, none of which may be one of `outputs`. `None`: all pictures are done already, and
+/// may be skipped.
+fn load(options: &Options, budget: &mut Budget, outputs: &[OutputFile]) -> Result<Option<Loaded>, Error> {
     let (parsed, parse) = timed(|| parse(options));
     let (description, plan) = parsed?;
+    if !outputs.is_empty() {
+        // Also what these pictures do not need, and so is not loaded.
+        output::check_inputs(outputs, scene::named_files(&description).iter().map(PathBuf::as_path))?;
+    }
     let hash = options.wants_labels().then(|| scene::hash_of_files(&description));
     if options.skip_done && hash.is_some_and(|hash| write::are_done(options, hash)) {
         return Ok(None);

@@ -78,11 +78,6 @@ impl CubeMap {
         });
     }
 
-    /// Returns the files of the faces.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.faces.iter().map(|face| face.path.as_path())
-    }
-
     /// Returns the number of faces of which anything has been decoded so far.
     pub fn decoded_faces(&self) -> usize {
         self.faces.iter().filter(|face| face.texels.get().is_some() || face.upper.get().is_some()).count()

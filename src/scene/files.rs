@@ -1,4 +1,4 @@
-//! The hash of a scene: of its text and of the files that it names.
+//! The files that a scene names, and the hash of its text and of them.
 
 use super::named_files::found;
 use crate::cube_map::face_paths;
@@ -10,24 +10,32 @@ use std::hash::Hasher as _;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+/// Returns the paths of all files that a scene names, each once: meshes, and the six faces of its cube map. They may be missing.
+pub fn named_files(description: &Description) -> Vec<PathBuf> {
+    let folder = description.source.path.parent().unwrap_or(Path::new(""));
+    // The hints come when the scene is loaded.
+    let found = |name: &At<String>| found(&description.source, folder, name, &mut Remarks::default());
+    let mut meshes: Vec<&At<String>> = Vec::new();
+    description.root.visit_leaves(&mut |leaf| {
+        if let LeafShape::Mesh(name) = &leaf.shape {
+            meshes.push(name);
+        }
+    });
+    meshes.sort_unstable_by_key(|name| &name.value);
+    meshes.dedup_by_key(|name| &name.value);
+    let mut files: Vec<PathBuf> = meshes.into_iter().map(found).collect();
+    files.sort_unstable();
+    files.dedup();
+    files.extend(description.background.cube_map.iter().flat_map(|name| face_paths(&found(name))));
+    files
+}
+
 /// Returns a hash of a scene's text and of the content of all files that it names: the same on every machine. Of a device
 /// or a pipe only the name counts.
 pub fn hash_of_files(description: &Description) -> u128 {
     let mut hasher = SipHasher24::new();
     add(&mut hasher, description.source.text.as_bytes());
-    let folder = description.source.path.parent().unwrap_or(Path::new(""));
-    // The hints come when the scene is loaded.
-    let found = |name: &At<String>| found(&description.source, folder, name, &mut Remarks::default());
-    let mut files: Vec<PathBuf> = Vec::new();
-    description.root.visit_leaves(&mut |leaf| {
-        if let LeafShape::Mesh(name) = &leaf.shape {
-            files.push(found(name));
-        }
-    });
-    files.sort_unstable();
-    files.dedup();
-    files.extend(description.background.cube_map.iter().flat_map(|name| face_paths(&found(name))));
-    files.iter().for_each(|path| add_file(&mut hasher, path));
+    named_files(description).iter().for_each(|path| add_file(&mut hasher, path));
     let hash = hasher.finish128();
     u128::from(hash.h1) << 64 | u128::from(hash.h2)
 }

@@ -23,7 +23,7 @@ mod tally;
 mod transforms;
 
 pub use compile::{Compiled, compile};
-pub use files::hash_of_files;
+pub use files::{hash_of_files, named_files};
 pub use geometry::{Geometry, build_mesh_tree};
 pub use mistakes::without_mistakes;
 pub use obj::{MeshCounts, MeshFile, parse_mesh, triangle_lines};

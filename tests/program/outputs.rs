@@ -124,6 +124,10 @@ fn what_is_read_is_not_written_over() {
         ("-input s.txt -output scene.png", "s.txt"),
         ("-input mesh.txt -output mesh.png", "m.obj"),
         ("-input sky.txt -output o.png -normals sky/up.png", "sky/up.png"),
+        // Also where these pictures show no cube map.
+        ("-input sky.txt -normals ./sky/left.png", "sky/left.png"),
+        ("-input sky.txt -depth 8 12 sky/down.png", "sky/down.png"),
+        ("-input sky.txt -depth auto sky/back.png", "sky/back.png"),
         ("-input s.txt -output ./r.png -reference r.png", "r.png"),
     ] {
         must_be_refused(&folder, arguments, &format!("{file}: this file is read, so it must not be written over"));
