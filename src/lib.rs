@@ -275,6 +275,7 @@ fn render_pictures(
     let progress = Shown::new(options);
     let is_written = !options.keeps_film() && !pictures.is_empty();
     let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
+    let mut curves = None;
     let mut frame = if options.pictures().next().is_none() {
         Frame::empty()
     } else if options.measure.is_adaptive() && is_written {
@@ -282,8 +283,9 @@ fn render_pictures(
     } else if options.measure.is_adaptive() {
         render::render_adaptive(scene, plan, options, limit, &progress)
     } else if options.measure.convergence.is_some() {
-        let (frame, curves) = measure::render_convergence(scene, plan, options, reference, &progress);
-        return Ok((frame, Some(curves)));
+        let (frame, found) = measure::render_convergence(scene, plan, options, reference, &progress);
+        curves = Some(found);
+        frame
     } else if is_written {
         render::render_bands(scene, plan, options, writers.collect(), &progress)?
     } else {
@@ -293,7 +295,7 @@ fn render_pictures(
     if let (Some(background), Some(depths)) = (background, &mut frame.film.depth) {
         *depths = render::depths_with_background(depths, background, scene, plan, options, &progress);
     }
-    Ok((frame, None))
+    Ok((frame, curves))
 }
 
 /// Adds the meshes whose trees were not built.

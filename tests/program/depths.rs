@@ -68,6 +68,21 @@ fn nothing_hit_has_the_colour_that_is_asked_for() {
 }
 
 #[test]
+fn a_curve_leaves_the_depths_their_background() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let depth = "-depth auto d.png -depth-background 1 0 0";
+    for flags in ["", "-plain"] {
+        let line = format!("-input s.txt -size 20 20 -samples 2 {flags}");
+        succeeds(&folder, &format!("{line} {depth} -output o.png -convergence c.csv -quiet"));
+        let with_curve = folder.picture("d.png");
+        succeeds(&folder, &format!("{line} {depth} -quiet"));
+        assert!(with_curve == folder.picture("d.png"), "{flags}");
+        assert_eq!(with_curve.get_pixel(0, 0).0, [255, 0, 0]);
+    }
+}
+
+#[test]
 fn mistakes_with_depths_are_told() {
     let folder = Folder::new();
     folder.write("s.txt", SCENE);

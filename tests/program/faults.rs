@@ -123,7 +123,7 @@ fn an_interrupted_measurement_ends_with_its_best_picture() {
 #[test]
 fn interrupted_curves_keep_the_points_that_are_done() {
     let folder = folder_with_scene();
-    for (name, rows) in [("c.svg", "\nsobol,"), ("c.html", "<tr><td>sobol<")] {
+    for (name, rows) in [("c.svg", "\nsobol,"), ("c.csv", "\nsobol,"), ("c.html", "<tr><td>sobol<")] {
         let arguments = "-input s.txt -output o.png -size 300 300 -samples 65536 -sampler sobol -convergence";
         let child = start(&folder, &format!("{arguments} {name}"));
         std::thread::sleep(Duration::from_millis(1500));

@@ -234,7 +234,9 @@ pub fn shown(path: &Path, options: &Options, frame: &Frame, curves: &Convergence
     } else if has_extension(path, "svg") {
         Ok(figure::svg(options, curves))
     } else {
-        Ok(table::csv(&curves.points))
+        // Most readers of tables take a line that begins so for a comment, or can be told to.
+        let remark = if curves.is_whole { String::new() } else { format!("# {}\n", words::INTERRUPTED) };
+        Ok(table::csv(&curves.points) + &remark)
     }
 }
 

@@ -4,11 +4,14 @@ use super::Convergence;
 use super::curve::{Cost, Curve};
 use crate::options::Options;
 
+/// What is said of curves whose points are not all there.
+pub const INTERRUPTED: &str =
+    "Interrupted: the curves end before what was asked for, and the picture may have fewer samples.";
+
 /// Returns two lines about the cheapest way to an error, and to a quarter of it, and a third one if points are missing.
 pub fn sentences(options: &Options, convergence: &Convergence) -> String {
-    let interrupted =
-        "\nInterrupted: the curves end before what was asked for, and the picture may have fewer samples.";
-    about_costs(options, &Curve::all(&convergence.points)) + if convergence.is_whole { "" } else { interrupted }
+    let costs = about_costs(options, &Curve::all(&convergence.points));
+    if convergence.is_whole { costs } else { format!("{costs}\n{INTERRUPTED}") }
 }
 
 fn about_costs(options: &Options, curves: &[Curve]) -> String {
