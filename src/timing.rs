@@ -36,7 +36,7 @@ impl Times {
 }
 
 /// Whether rendering was interrupted: then every deadline but [`Deadline::NEVER`] is over.
-static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+pub static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Ends rendering with the best picture so far, where there is a deadline. Returns false if it was called before.
 pub fn interrupt_rendering() -> bool {

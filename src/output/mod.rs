@@ -1,13 +1,15 @@
 //! Files that the program writes: where a name leads, what can be checked before rendering, and writing itself.
 //!
-//! A file appears under its name only when it is complete. Until then it has a temporary name in the same folder.
+//! A file appears under its name only when it is complete. Until then it has none, or where the system knows no files without
+//! names, a temporary one in the same folder.
 
 mod file;
+mod nameless;
 mod target;
 mod temporary;
 
 pub use file::OutputFile;
-pub use temporary::remove_unfinished;
+pub use temporary::{remove_unfinished, remove_unfinished_if_possible};
 
 use crate::error::Error;
 use std::io::{self, BufWriter, Write};

@@ -26,6 +26,16 @@ fn start(folder: &Folder, arguments: &str) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
+/// Without `/proc`, files have temporary names until they are complete. `None` where the system does not allow that.
+fn start_without_proc(folder: &Folder, arguments: &str) -> Option<Child> {
+    let is_allowed = Command::new("unshare").args(["-rm", "mount", "-t", "tmpfs", "none", "/proc"]).status();
+    let line = format!("mount -t tmpfs none /proc; exec '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
+    let mut command = Command::new("env");
+    command.args(["--default-signal", "unshare", "-rm", "sh", "-c", &line]).current_dir(folder.path("."));
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    is_allowed.is_ok_and(|status| status.success()).then(|| command.spawn().unwrap())
+}
+
 fn send(child: &Child, signal: Signal) {
     // It may have ended already.
     let _ = kill_process(Pid::from_child(child), signal);
@@ -48,7 +58,7 @@ fn signals_at_any_time_leave_nothing_and_lose_nothing() {
     let mut interrupted = 0;
     for round in 0..200 {
         folder.write("o.pfm", "old").write("n.png", "old");
-        let signal = [Signal::INT, Signal::TERM, Signal::HUP][round % 3];
+        let signal = [Signal::INT, Signal::TERM, Signal::HUP, Signal::QUIT][round % 4];
         let child = start(&folder, ARGUMENTS);
         // From the first instruction to the end of most runs, in an order without pattern.
         std::thread::sleep(Duration::from_micros((round as u64 * 7919 % 200) * 400));
@@ -70,6 +80,81 @@ fn signals_at_any_time_leave_nothing_and_lose_nothing() {
         }
     }
     assert!(interrupted > 20, "only {interrupted} runs were interrupted");
+}
+
+#[test]
+fn temporary_names_are_removed_where_files_need_names() {
+    let folder = folder_with_scene();
+    let arguments = "-input s.txt -output o.png -size 9000 9000 -filter -jitter";
+    for signal in [Signal::INT, Signal::TERM, Signal::QUIT] {
+        let Some(child) = start_without_proc(&folder, arguments) else { return };
+        let start = Instant::now();
+        while folder.files().len() == 1 && start.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let files = folder.files();
+        assert!(files.len() == 2 && files[0].starts_with(".a2-"), "{files:?}");
+        send(&child, signal);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.signal(), Some(signal.as_raw()), "{}", text(&output));
+        assert!(text(&output).contains("unfinished files are removed"), "{}", text(&output));
+        assert_eq!(folder.files(), ["s.txt"]);
+    }
+}
+
+/// Nothing can be done at these, so nothing may be needed.
+#[test]
+fn nothing_is_left_by_what_cannot_be_handled() {
+    let folder = folder_with_scene();
+    for signal in [Signal::KILL, Signal::ALARM, Signal::USR1, Signal::ABORT] {
+        let child = start(&folder, "-input s.txt -output o.png -normals n.png -size 9000 9000 -filter -jitter");
+        std::thread::sleep(Duration::from_millis(200));
+        send(&child, signal);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.signal(), Some(signal.as_raw()), "{}", text(&output));
+        assert_eq!(folder.files(), ["s.txt"], "{signal:?}");
+    }
+}
+
+#[test]
+fn a_limit_of_processor_time_ends_as_a_signal() {
+    let folder = folder_with_scene();
+    let arguments = "-input s.txt -output o.png -size 9000 9000 -filter -jitter";
+    let line = format!("ulimit -St 1; exec '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
+    let mut command = Command::new("bash");
+    let output = command.args(["-c", &line]).current_dir(folder.path(".")).output().unwrap();
+    assert_eq!(output.status.signal(), Some(Signal::XCPU.as_raw()), "{}", text(&output));
+    assert!(text(&output).contains("interrupted by SIGXCPU: unfinished files are removed\n"), "{}", text(&output));
+    assert_eq!(folder.files(), ["s.txt"]);
+}
+
+/// Stacks of a tebibyte let no thread be started.
+#[test]
+fn signals_end_rendering_where_no_thread_can_be_started() {
+    let folder = folder_with_scene();
+    for (arguments, signals, exit_code) in [
+        ("-output o.png -size 9000 9000 -filter -jitter", 1, None),
+        ("-output o.png -size 300 300 -time-limit 1000 -samples 65536", 1, Some(0)),
+        ("-output o.png -size 4000 4000 -time-limit 1000 -samples 65536", 2, None),
+    ] {
+        let limits = "ulimit -v 4000000; export RUST_MIN_STACK=1099511627776";
+        let line = format!("{limits}; exec '{}' -input s.txt {arguments}", env!("CARGO_BIN_EXE_a2"));
+        let mut command = Command::new("env");
+        command.args(["--default-signal", "bash", "-c", &line]).current_dir(folder.path("."));
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(700));
+        for _ in 0..signals {
+            send(&child, Signal::INT);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let output = child.wait_with_output().unwrap();
+        assert!(text(&output).contains("the system allows 1 worker thread"), "{}", text(&output));
+        assert_eq!(output.status.code(), exit_code, "{arguments}: {}", text(&output));
+        assert_eq!(output.status.signal(), exit_code.is_none().then_some(Signal::INT.as_raw()));
+        let files: &[&str] = if exit_code.is_some() { &["o.png", "s.txt"] } else { &["s.txt"] };
+        assert_eq!(folder.files(), files, "{arguments}");
+        let _ = std::fs::remove_file(folder.path("o.png"));
+    }
 }
 
 #[test]
@@ -178,6 +263,30 @@ fn what_does_not_fit_into_memory_is_refused() {
         assert!(parts.iter().all(|part| run.stderr.contains(part)), "{arguments}: {}", run.stderr);
     }
     assert_eq!(folder.files(), ["m.obj", "mesh.txt", "s.txt"]);
+}
+
+/// Nothing estimates the memory for the text of a scene.
+#[test]
+fn memory_that_cannot_be_had_is_an_error() {
+    let folder = folder_with_scene();
+    let spheres = "Sphere { center 0 0 0 radius 1 }\n".repeat(200_000);
+    folder.write("many.txt", SCENE.replace("numObjects 1", "numObjects 200000").replace(TRIANGLE, &spheres));
+    let mut refused = 0;
+    for limit in (40..=240).step_by(40) {
+        for which in ["-v", "-d"] {
+            let limit = format!("{which} {limit}000");
+            let run = with_limit(&folder, &limit, "-input many.txt -output o.png -size 3 3");
+            if run.exit_code != 0 {
+                assert_eq!(run.exit_code, 1, "{limit}: {}", run.stderr);
+                let last = run.stderr.lines().last().unwrap_or_default();
+                assert!(last.starts_with("error: not enough memory ('ulimit -v' and"), "{}", run.stderr);
+                refused += 1;
+            }
+            let _ = std::fs::remove_file(folder.path("o.png"));
+            assert_eq!(folder.files(), ["many.txt", "s.txt"], "{limit}");
+        }
+    }
+    assert!((3..12).contains(&refused), "{refused}");
 }
 
 #[test]
