@@ -140,6 +140,8 @@ fn mesh_json(file: &MeshFile) -> Value {
         "degenerate_faces_left_out": counts.degenerate,
         "polygons_cut": counts.polygons,
         "concave_polygons": counts.concave,
+        "points_left_out": counts.points,
+        "lines_left_out": counts.lines,
     })
 }
 

@@ -19,6 +19,7 @@ mod hints;
 mod libraries;
 mod measuring;
 mod mesh_names;
+mod mesh_remarks;
 mod meshes;
 mod messages;
 mod mistakes;

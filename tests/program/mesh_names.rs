@@ -149,17 +149,26 @@ fn words_of_any_length_are_cut_in_messages_and_cost_little() {
 fn what_became_of_a_mesh_is_reported() {
     let folder = Folder::new();
     let mesh = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 2 0\nv 9 9 9\nf 1 2 3\nf 1 2 3 4\nf 1 2 3 4 5\nf 1 2\nf\n";
-    folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }")).write("m.obj", mesh);
+    let mesh = mesh.to_owned() + "l 1 2 3\np 1 2\nl 2 1\n";
+    folder.write("s.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }")).write("m.obj", &mesh);
     let run = folder.a2("-input s.txt -output o.png -size 9 9 -stats -report r.json -explain");
-    let counts =
-        "m.obj: vertices 6, faces 5, triangles 6, degenerate faces left out 2, polygons cut 2 (concave 1)\n";
+    let counts = "m.obj: vertices 6, faces 5, triangles 6, degenerate faces left out 2, polygons cut 2 (concave 1), \
+                  points 2 and lines 2 left out\n";
     for line in [format!("\nmesh {counts}"), format!("\nmesh         {counts}")] {
         assert!(run.stderr.contains(&line), "{line}{}", run.stderr);
     }
     let report = folder.json("r.json");
     let expected = serde_json::json!([{
         "file": "m.obj", "vertices": 6, "faces": 5, "triangles": 6, "degenerate_faces_left_out": 2, "polygons_cut": 2,
-        "concave_polygons": 1,
+        "concave_polygons": 1, "points_left_out": 2, "lines_left_out": 2,
     }]);
     assert_eq!(report["meshes"], expected);
+    let plain = mesh.replace("f 1 2\nf\n", "");
+    folder.write("m.obj", plain);
+    let run = folder.a2("-input s.txt -check");
+    assert!(
+        run.stdout.contains(&counts.replace("faces 5", "faces 3").replace("out 2,", "out 0,")),
+        "{}",
+        run.stdout
+    );
 }

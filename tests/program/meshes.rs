@@ -11,7 +11,7 @@ fn with_mesh(folder: &Folder, mesh: &[u8]) -> Run {
 }
 
 /// Renders a mesh that must be read without a word.
-fn rendered(mesh: &[u8]) -> RgbImage {
+pub fn rendered(mesh: &[u8]) -> RgbImage {
     let folder = Folder::new();
     let run = with_mesh(&folder, mesh);
     let text = String::from_utf8_lossy(mesh);
@@ -20,7 +20,7 @@ fn rendered(mesh: &[u8]) -> RgbImage {
 }
 
 /// Renders a mesh that may be warned about; returns the picture and the warnings.
-fn warned(mesh: &str) -> (RgbImage, String) {
+pub fn warned(mesh: &str) -> (RgbImage, String) {
     let folder = Folder::new();
     let run = with_mesh(&folder, mesh.as_bytes());
     assert_eq!(run.exit_code, 0, "{mesh}: {}", run.stderr);

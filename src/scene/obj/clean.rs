@@ -5,6 +5,7 @@
 //! make it start a new model and number its corners anew, which would tear smooth surfaces apart; it never sees them.
 
 use super::Faces;
+use super::left_out::LeftOut;
 use super::statements::{Kind, Statement, Statements};
 use super::words::{coordinate, vertex_number, vertex_part};
 use crate::error::{Error, SourceText, Span, cut_short};
@@ -19,13 +20,7 @@ pub(super) struct Clean {
     pub vertices: usize,
     /// Faces with three corners or more.
     pub faces: usize,
-    /// Faces with fewer corners, which are left out.
-    pub degenerate: usize,
-    pub first_degenerate: Span,
-    pub points: usize,
-    pub lines: usize,
-    /// Curves and free-form surfaces.
-    pub curved: usize,
+    pub left_out: LeftOut,
     /// Corners that name a vertex further on in the file: those with a larger number than all before them.
     ahead: Vec<(i64, Span)>,
     /// Vertices with a coordinate that is not finite, by their number from 1, and that coordinate's place.
@@ -43,10 +38,7 @@ impl Clean {
             match statement.kind {
                 Kind::Vertex => clean.add_vertex(source, &statement)?,
                 Kind::Face => clean.add_face(source, &statement)?,
-                Kind::Points => clean.points += statement.words().count(),
-                Kind::Line => clean.lines += 1,
-                Kind::Curved => clean.curved += 1,
-                Kind::Other => {}
+                _ => clean.left_out.add(source, &statement),
             }
         }
         match clean.ahead.iter().find(|&&(number, _)| number > clean.vertices as i64) {
@@ -55,28 +47,9 @@ impl Clean {
         }
     }
 
-    /// What the file's author should know.
+    /// Says what the file's author should know.
     pub fn warnings(&self, source: &SourceText) -> Vec<String> {
-        let mut warnings = Vec::new();
-        if self.degenerate > 0 {
-            warnings.push(format!(
-                "{}: this face has fewer than three corners and is left out{}",
-                source.location(self.first_degenerate),
-                super::others(self.degenerate)
-            ));
-        }
-        if self.faces == 0 {
-            warnings.push(format!(
-                "{}: no picture shows this mesh, for it has no face (vertices {}, points {}, lines {}, curves and \
-                 surfaces {})",
-                source.path.display(),
-                self.vertices,
-                self.points,
-                self.lines,
-                self.curved
-            ));
-        }
-        warnings
+        self.left_out.warnings(source, self.vertices, self.faces)
     }
 
     fn add_vertex(&mut self, source: &Arc<SourceText>, statement: &Statement) -> Result<(), Error> {
@@ -122,10 +95,7 @@ impl Clean {
         }
         if corners < 3 {
             self.text.truncate(start);
-            if self.degenerate == 0 {
-                self.first_degenerate = statement.keyword;
-            }
-            self.degenerate += 1;
+            self.left_out.degenerate.add(statement.keyword);
             return Ok(());
         }
         self.faces += 1;
@@ -166,7 +136,9 @@ impl Clean {
             let span = self.first_used(source).unwrap_or_default();
             return Err(not_finite(source, &source.text[span.start..span.end], span));
         }
-        let mut faces = Faces { positions, vertices: self.vertices, faces: self.faces, ..Faces::default() };
+        let LeftOut { points, lines, .. } = self.left_out;
+        let (vertices, count) = (self.vertices, self.faces);
+        let mut faces = Faces { positions, vertices, faces: count, points, lines, ..Faces::default() };
         if mesh.face_arities.is_empty() {
             faces.triangles = mesh.indices.as_chunks().0.to_vec();
             return Ok(faces);

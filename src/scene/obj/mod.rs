@@ -7,6 +7,7 @@
 mod clean;
 mod decode;
 mod foreign;
+mod left_out;
 mod lines;
 mod plain;
 mod polygons;
@@ -48,6 +49,9 @@ pub struct MeshCounts {
     pub polygons: usize,
     /// Polygons that are not convex, and are cut inside their outline.
     pub concave: usize,
+    /// Points and lines, which no picture shows.
+    pub points: usize,
+    pub lines: usize,
 }
 
 /// A mesh file of a scene.
@@ -61,13 +65,17 @@ pub struct MeshFile {
 
 impl fmt::Display for MeshFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let MeshCounts { vertices, faces, triangles, degenerate, polygons, concave } = self.counts;
+        let MeshCounts { vertices, faces, triangles, degenerate, polygons, concave, points, lines } = self.counts;
         write!(
             f,
             "{}: vertices {vertices}, faces {faces}, triangles {triangles}, degenerate faces left out {degenerate}, \
              polygons cut {polygons} (concave {concave})",
             self.path.display()
-        )
+        )?;
+        match points + lines {
+            0 => Ok(()),
+            _ => write!(f, ", points {points} and lines {lines} left out"),
+        }
     }
 }
 
@@ -83,6 +91,8 @@ struct Faces {
     vertices: usize,
     /// Faces with three corners or more.
     faces: usize,
+    points: usize,
+    lines: usize,
 }
 
 /// A face with more than three corners.
@@ -143,11 +153,12 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
         Err(_) if foreign::is_binary(&source.text) => return Err(no_mesh(&source)),
         clean => clean?,
     };
-    if clean.vertices == 0 && (clean.degenerate == 0 || foreign::is_binary(&source.text)) {
+    let degenerate = clean.left_out.degenerate.count;
+    if clean.vertices == 0 && (degenerate == 0 || foreign::is_binary(&source.text)) {
         return Err(no_mesh(&source));
     }
     let warnings = clean.warnings(&source);
-    let counts = MeshCounts { degenerate: clean.degenerate, ..MeshCounts::default() };
+    let counts = MeshCounts { degenerate, ..MeshCounts::default() };
     let faces = clean.read(&source)?;
     Ok(finish(faces, counts, warnings, || source))
 }
@@ -157,12 +168,20 @@ fn no_mesh(source: &Arc<SourceText>) -> Error {
     if foreign::is_binary(&source.text) {
         return Error::file(&source.path, "this is no OBJ mesh: the file is binary");
     }
+    let place_of = |kind| {
+        let mut statements = Statements::new(&source.text);
+        statements.find(|statement| statement.kind == kind).map(|statement| statement.keyword)
+    };
+    let message = "this is no OBJ mesh: no line is a vertex ('v') or a face ('f')";
+    if let Some(slip) = place_of(Kind::Slip) {
+        return source.error(slip, message).with_note("keywords are small letters with a blank behind them");
+    }
+    if let Some(call) = place_of(Kind::Call) {
+        return source.error(call, message).with_note("'call' names another file, which is not read");
+    }
     let start = source.text.find(|c| !statements::separates(c)).unwrap_or_default();
     let line = source.text[start..].lines().next().unwrap_or_default();
-    source.error(
-        Span { start, end: start + line.len() },
-        "this is no OBJ mesh: no line is a vertex ('v') or a face ('f')",
-    )
+    source.error(Span { start, end: start + line.len() }, message)
 }
 
 /// Cuts polygons and makes the mesh.
@@ -186,6 +205,7 @@ fn finish(
     counts.triangles = faces.triangles.len();
     counts.polygons = faces.polygons.len();
     counts.concave = cuts.concave;
+    (counts.points, counts.lines) = (faces.points, faces.lines);
     ObjFile { mesh: Mesh::without_normals(faces.positions, faces.triangles), counts, warnings }
 }
 

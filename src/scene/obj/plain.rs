@@ -4,6 +4,7 @@
 //! anything else, mistakes included, this parser gives up. Then [`clean`](super::clean) parses the file, about ten times
 //! slower. Both give the same mesh.
 
+use super::statements::Kind;
 use super::words::{coordinate, plain_vertex_number, vertex_part};
 use super::{Faces, Polygon};
 use rayon::prelude::*;
@@ -21,6 +22,8 @@ struct Piece {
     /// Triangles and faces are numbered within the piece.
     polygons: Vec<Polygon>,
     faces: usize,
+    points: usize,
+    lines: usize,
 }
 
 /// Parses an OBJ file. `None` if the file is not plain, or has no face.
@@ -30,7 +33,8 @@ pub(super) fn read(bytes: &[u8]) -> Option<Faces> {
     let positions = joined(&pieces, |piece| &piece.positions);
     let triangles = joined(&pieces, |piece| &piece.triangles);
     let polygons = joined_polygons(&pieces);
-    let faces = pieces.iter().map(|piece| piece.faces).sum();
+    let sum = |count: fn(&Piece) -> usize| pieces.iter().map(count).sum();
+    let (faces, points, lines) = (sum(|piece| piece.faces), sum(|piece| piece.points), sum(|piece| piece.lines));
     let vertices = positions.len();
     let is_used: Vec<AtomicBool> = positions.iter().map(|_| AtomicBool::new(false)).collect();
     let use_position =
@@ -45,7 +49,7 @@ pub(super) fn read(bytes: &[u8]) -> Option<Faces> {
     let (positions, triangles) = without_unused(positions, triangles, &is_used);
     let is_finite = |position: &[f32; 3]| position.iter().all(|coordinate| coordinate.is_finite());
     let all_finite = positions.par_iter().all(is_finite);
-    all_finite.then_some(Faces { positions, triangles, polygons, vertices, faces })
+    all_finite.then_some(Faces { positions, triangles, polygons, vertices, faces, points, lines })
 }
 
 /// The polygons of all pieces, numbered in the file.
@@ -131,14 +135,37 @@ impl Piece {
                 // Not a keyword in ASCII: there may be white space that is not looked for here.
                 Some(word) if !word[0].is_ascii_graphic() => return None,
                 Some(b"vt" | b"vn" | b"vp") => false,
-                Some(word) if matches!(word[0], b'v' | b'f') => return None,
-                Some(_) => false,
+                Some(keyword) => {
+                    piece.other(keyword, &mut words)?;
+                    false
+                }
             };
             if !is_whole && hides_more(line) {
                 return None;
             }
         }
         Some(piece)
+    }
+
+    /// Counts points and lines. Gives up at what is in no picture and must be reported.
+    fn other<'a>(&mut self, keyword: &[u8], words: &mut impl Iterator<Item = &'a [u8]>) -> Option<()> {
+        if matches!(keyword, [b'#', ..] | b"g" | b"o" | b"s" | b"usemtl" | b"mtllib") {
+            return Some(());
+        }
+        if matches!(keyword[0], b'v' | b'f') || !keyword.iter().all(is_plain) {
+            return None;
+        }
+        match Kind::of(keyword) {
+            Kind::Line => self.lines += 1,
+            Kind::Points => {
+                for word in words {
+                    self.points += word.iter().all(is_plain).then_some(1)?;
+                }
+            }
+            Kind::Other => {}
+            _ => return None,
+        }
+        Some(())
     }
 
     /// Parses a face. A polygon becomes a fan of triangles around its first corner. Returns whether it ends with the line, and not with a comment.
@@ -170,13 +197,17 @@ fn hides_more(line: &[u8]) -> bool {
         || (line.trim_ascii_end().ends_with(b"\\") && matches!(line.trim_ascii_start()[0], b'v' | b'f'))
 }
 
-/// Parses a corner, and returns the index of its position, from 0. Behind the first `/`, where anything may stand, a
-/// comment may begin, the line may end with a `\`, and there may be white space that is not looked for here.
+/// Parses a corner, and returns the index of its position, from 0. Anything may stand behind the first `/`.
 fn corner(word: &[u8]) -> Option<u32> {
     let part = vertex_part(word);
-    let is_plain = |byte: &u8| byte.is_ascii_graphic() && !matches!(byte, b'#' | b'\\');
     let number = plain_vertex_number(part)?;
     word[part.len()..].iter().all(is_plain).then_some(number - 1)
+}
+
+/// Whether a byte is part of a word only: it begins no comment, ends no line that goes on, and is no white space that is not
+/// looked for here.
+fn is_plain(byte: &u8) -> bool {
+    byte.is_ascii_graphic() && !matches!(byte, b'#' | b'\\')
 }
 
 /// Parses the next three words as coordinates.
@@ -191,11 +222,11 @@ mod tests {
 
     #[test]
     fn plain_files_are_parsed() {
-        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0 1 1 1 # red\nvt\nv 1 1 .5e0\nv 0 1 0\ng \xe9\nfo 1/x 3 4/-9 5// #\n";
+        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0 1 1 1 # red\nvt\nv 1 1 .5e0\nv 0 1 0\ng \xe9\nl 1 2 \xe9\np 1 2\tx\n#l\nL 1 2\nfo 1/x 3 4/-9 5// #\n";
         let faces = read(text).unwrap();
         assert_eq!(faces.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
         assert_eq!(faces.triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!((faces.vertices, faces.faces), (5, 1));
+        assert_eq!((faces.vertices, faces.faces, faces.points, faces.lines), (5, 1, 3, 1));
         assert_eq!(faces.polygons, [Polygon { first_triangle: 0, triangles: 2, face: 0 }]);
     }
 
@@ -232,6 +263,18 @@ mod tests {
             "\u{feff}v 1 2 3",
             "\u{b}v 1 2 3",
             "fa 1 2 3",
+            "F 1 2 3",
+            "F",
+            "f1 2 3",
+            "surf 0 1 0 1 1 2 3",
+            "bzp 1 2 3",
+            "call m.obj",
+            "<<<<<<< HEAD",
+            "l#",
+            "l\u{a0}1 2",
+            "p 1 2 # c",
+            "p 1\u{a0}2",
+            "p 1 \\",
             "f 1 2 \u{663}",
             "f 1 2 3/\u{b}4",
             "f 1 2 3/1\u{a0}4/1",

@@ -21,8 +21,29 @@ pub(super) enum Kind {
     Line,
     /// A curve or a free-form surface.
     Curved,
+    /// The name of another file to read.
+    Call,
+    /// Probably a vertex or a face with a slip in its keyword; also the marks of a merge conflict.
+    Slip,
     /// Everything else: comments, names, groups, materials, normals, texture coordinates.
     Other,
+}
+
+impl Kind {
+    /// What a statement with this keyword is about. A slip is one only with a number behind it.
+    pub fn of(keyword: &[u8]) -> Self {
+        match keyword {
+            b"v" => Self::Vertex,
+            b"f" | b"fo" => Self::Face,
+            b"p" => Self::Points,
+            b"l" => Self::Line,
+            b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdc" | b"cdp" => Self::Curved,
+            b"call" => Self::Call,
+            b"V" | b"F" | b"FO" | [b'v' | b'V' | b'f' | b'F', b'0'..=b'9' | b'-' | b'+' | b'.', ..] => Self::Slip,
+            [b'<', b'<', b'<', b'<', b'<', b'<', b'<', ..] => Self::Slip,
+            _ => Self::Other,
+        }
+    }
 }
 
 /// A statement and its text.
@@ -94,6 +115,12 @@ fn word_behind(text: &str, at: usize) -> Option<(usize, usize)> {
     Some((from, to))
 }
 
+/// Whether the word behind `at` begins like a number.
+fn is_number_behind(text: &str, at: usize) -> bool {
+    let is_of_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'-' | b'+' | b'.');
+    word_behind(text, at).is_some_and(|(from, _)| is_of_number(text.as_bytes()[from]))
+}
+
 /// Hands out the statements of a text one by one.
 #[derive(Debug)]
 pub(super) struct Statements<'a> {
@@ -139,13 +166,9 @@ impl<'a> Iterator for Statements<'a> {
         loop {
             let (text, start, goes_on) = self.next_line()?;
             let Some((from, rest)) = word_behind(text, 0) else { continue };
-            let kind = match &text[from..rest] {
-                "v" => Kind::Vertex,
-                "f" | "fo" => Kind::Face,
-                "p" => Kind::Points,
-                "l" => Kind::Line,
-                "curv" | "curv2" | "surf" => Kind::Curved,
-                _ => Kind::Other,
+            let kind = match Kind::of(&text.as_bytes()[from..rest]) {
+                Kind::Slip if !text[from..].starts_with('<') && !is_number_behind(text, rest) => Kind::Other,
+                kind => kind,
             };
             let mut line = Line { text: Cow::Borrowed(text), start, joints: Vec::new() };
             let keyword = line.span(from, rest);

@@ -132,8 +132,32 @@ const BEHIND: &[&str] = &["", "", "", "\r", "\t", " # c", " # f 1 2 3", "#"];
 const PLAIN: &[&str] = &["1", "2", "3", "4/1", "5//2", "6/7/8", "7/x/", "8"];
 const ANY: &[&str] =
     &["1", "2/-1", "3", "4", "5//-7", "6", "7", "8", "-1", "-2//3", "-8", "1", "2", "3", "4", "0", "99"];
-const OTHER: &[&str] =
-    &["vn 0 0 nan", "vt", "g \u{e9}", "", "# v 1 2 3", "usemtl f 1 2 3", "l 1 2", "p 1", "s off"];
+const OTHER: &[&str] = &[
+    "vn 0 0 nan",
+    "vt",
+    "g \u{e9}",
+    "",
+    "# v 1 2 3",
+    "usemtl f 1 2 3",
+    "l 1 2",
+    "p 1 x\t2",
+    "s off",
+    "L 1",
+    "#p 1",
+];
+/// Lines with other words, of which some must be reported.
+const RARE: &[&str] = &[
+    "p 1 2 # 3",
+    "l#1",
+    "p\u{a0}1",
+    "F 1 2 3",
+    "f1 2 3",
+    "V",
+    "surf 0 1 0 1 1 1",
+    "curv2 1 2",
+    "call m.obj",
+    "bsp 1",
+];
 
 fn line() -> impl Strategy<Value = String> {
     let behind = || prop::sample::select(BEHIND);
@@ -147,6 +171,7 @@ fn line() -> impl Strategy<Value = String> {
         4 => face(PLAIN, 4..8).prop_map(written),
         1 => face(ANY, 0..6).prop_map(written),
         2 => words(OTHER, 1..2),
+        1 => prop_oneof![19 => words(OTHER, 1..2), 1 => words(RARE, 1..2)],
     ]
 }
 
@@ -162,13 +187,17 @@ fn all_readers_read_the_same() {
     TestRunner::new_with_rng(config, rng)
         .run(&text, |text| {
             let source = source_text(Path::new("m.obj"), text.as_bytes());
-            let clean = Clean::new(&source).and_then(|clean| clean.read(&source));
+            let clean = Clean::new(&source);
+            let is_silent = clean.as_ref().is_ok_and(|clean| clean.warnings(&source).is_empty());
+            let clean = clean.and_then(|clean| clean.read(&source));
             let expected = naive(&text);
             prop_assert_eq!(clean.as_ref().ok().map(corners_of), expected.clone(), "{}", text);
             if let Some(plain) = plain::read(text.as_bytes()) {
                 let clean = clean.as_ref().unwrap();
                 prop_assert_eq!(Some(corners_of(&plain)), expected, "{}", text);
                 prop_assert_eq!((plain.polygons, plain.vertices), (clean.polygons.clone(), clean.vertices));
+                prop_assert_eq!((plain.points, plain.lines), (clean.points, clean.lines), "{}", text);
+                prop_assert!(is_silent, "{}", text);
                 plain_files.set(plain_files.get() + 1);
             } else if clean.is_ok() {
                 other_files.set(other_files.get() + 1);

@@ -1,0 +1,69 @@
+//! Tests of the warnings about what a mesh file holds besides faces.
+
+use crate::meshes::{KITE, refusal, rendered, warned};
+
+/// The warnings about the kite with further lines, which do not change the picture.
+fn warnings(lines: &str) -> String {
+    let (picture, warnings) = warned(&format!("{KITE}{lines}"));
+    assert_eq!(picture, rendered(KITE.as_bytes()), "{lines}");
+    warnings
+}
+
+#[test]
+fn curves_and_surfaces_beside_faces_are_named_in_one_warning() {
+    let all = "curv 0 1 1 2\ncurv2 1 2\nsurf 0 1 0 1 1 2 3 4\nbzp 1\nbsp 1\ncdc 1\ncdp 1\ncall m2.obj\n";
+    for (lines, place, left_out) in [
+        ("curv 0 1 1 2\n", "6:1", "curv 1"),
+        ("l 1 2\n  surf 0 1 0 1 1 2 3 4\ncurv 0 1 1 2\nsurf 0\n", "7:3", "surf 2, curv 1"),
+        ("call other.obj\n", "6:1", "call 1"),
+        (all, "6:1", "curv 1, curv2 1, surf 1, bzp 1, bsp 1, cdc 1, cdp 1, call 1"),
+    ] {
+        let expected = format!(
+            "warning: m.obj:{place}: only faces are shown, and what else the file describes is left out: {left_out}\n"
+        );
+        assert_eq!(warnings(lines), expected, "{lines}");
+    }
+    let (_, warnings) = warned("v 0 0 0\ncall other.obj\nbsp 1\n");
+    let expected = "warning: m.obj: no picture shows this mesh, for it has no face (vertices 1, points 0, lines 0, curves \
+                    and surfaces 1)\nwarning: m.obj:2:1: only faces are shown, and what else the file describes is left \
+                    out: call 1, bsp 1\n";
+    assert_eq!(warnings, expected);
+}
+
+#[test]
+fn slips_of_keywords_are_found() {
+    for (lines, place, word, others) in [
+        ("F 1 2 3\n", "6:1", "F", ""),
+        ("f1 2 3\n", "6:1", "f1", ""),
+        ("# F 1 2 3\n V -1 0 0\nF 1/1 2/2 3/3\n", "7:2", "V", " (and one more like it)"),
+        ("v2 3 4 5\nv-1 0 0\nV.5 1 1\nf-1 -2 -3\n", "6:1", "v2", " (and 3 more like it)"),
+        ("FO 1 2 3\n", "6:1", "FO", ""),
+        ("<<<<<<< HEAD\n=======\n>>>>>>> other\n", "6:1", "<<<<<<<", ""),
+    ] {
+        let expected = format!(
+            "warning: m.obj:{place}: '{word}' is no keyword as 'v' and 'f' are, and this line is left out{others}\n"
+        );
+        assert_eq!(warnings(lines), expected, "{lines}");
+    }
+    for lines in
+        ["F\n", "V ray\n", "fa 1 2 3\n", "vx 1 2 3\n", "VN 0 0 1\n", "v2\n", "face 1 2 3\n", "csh -echo 1\n"]
+    {
+        assert_eq!(warnings(lines), "", "{lines}");
+    }
+}
+
+#[test]
+fn where_no_line_is_read_the_message_says_why() {
+    for (text, place, help) in [
+        (
+            "g a\nV 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n",
+            "2:1",
+            "keywords are small letters with a blank behind them",
+        ),
+        ("# all\ncall other.obj\n", "2:1", "'call' names another file, which is not read"),
+    ] {
+        let message = refusal(text.as_bytes());
+        let start = format!("m.obj:{place}: this is no OBJ mesh: no line is a vertex ('v') or a face ('f')\n");
+        assert!(message.starts_with(&start) && message.contains(help), "{message}");
+    }
+}
