@@ -1,4 +1,4 @@
-//! Tests of the warnings about what a mesh file holds besides faces.
+//! Tests of the warnings about what a mesh file holds besides faces, and about its vertices.
 
 use crate::meshes::{KITE, refusal, rendered, warned};
 
@@ -66,4 +66,52 @@ fn where_no_line_is_read_the_message_says_why() {
         let start = format!("m.obj:{place}: this is no OBJ mesh: no line is a vertex ('v') or a face ('f')\n");
         assert!(message.starts_with(&start) && message.contains(help), "{message}");
     }
+}
+
+/// The kite, moved.
+fn kite_at(x: f64, y: f64, z: f64) -> String {
+    let corners = [[-2.0, 0.0], [0.0, -3.0], [2.0, 0.0], [0.0, 1.5]];
+    let vertices: String = corners.iter().map(|[u, v]| format!("v {} {} {z}\n", u + x, v + y)).collect();
+    vertices + "f 1 2 3 4\n"
+}
+
+#[test]
+fn a_small_mesh_far_away_is_rounded_with_a_warning() {
+    let far = kite_at(500_123.25, 4_649_776.5, 30.0);
+    let expected = "warning: m.obj: coordinates are rounded to steps of 0.5, for they go up to 4649778.0, and this mesh is only \
+                    6.0e0 across: subtract 500123.25 4649776.0 30.0 from its vertices, and either from camera and lights, \
+                    too, or move the mesh back by Translate 500123.25 4649776.0 30.0\n";
+    for text in [far.clone(), far.replace("1 2 3 4", "-4 -3 -2 -1"), far.replace('\n', " # a comment\n")] {
+        let (_, warnings) = warned(&text);
+        assert_eq!(warnings, expected, "{text}");
+    }
+    // Neighbours of 600 are 6.1e-5 apart, of 1,200 twice as much; the kite is 6 across.
+    for (text, is_warned) in [
+        (kite_at(600.0, 0.0, 0.0), false),
+        (kite_at(0.0, -1200.0, 0.0), true),
+        (kite_at(0.0, 0.0, 4_649_776.0), false),
+        (KITE.replace("f 1", "v 4649776 0 0\nf 1"), false),
+        (KITE.replace("v 0 1.5 0", "v 0 9999999 0"), false),
+        ("v 1e-30 0 0\nv 0 1e-30 0\nv 0 0 0\nf 1 2 3\n".to_owned(), false),
+        ("v 1e38 0 0\nv 3e38 1e38 0\nv 3.4e38 0 0\nf 1 2 3\n".to_owned(), false),
+    ] {
+        let (_, warnings) = warned(&text);
+        assert_eq!(warnings.contains("coordinates are rounded to steps of"), is_warned, "{text}{warnings}");
+    }
+}
+
+#[test]
+fn a_mesh_without_area_is_empty_with_a_warning() {
+    let expected = "warning: m.obj: no picture shows this mesh, for none of its triangles has an area\n";
+    for text in [
+        "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n",
+        "v 0 0 0\nv 1 1 1\nv 2 2 2\nf -3 -2 -1\nf 1 1 2\n",
+        "v 4649776 9 9\nv 4649776 9 9\nf 1 2 1\nf 1 1 1 1\n",
+    ] {
+        let (picture, warnings) = warned(text);
+        assert_eq!(warnings, expected, "{text}");
+        assert!(picture.pixels().all(|pixel| pixel.0 == [0, 0, 0]));
+    }
+    let lines = "f 1 1 2\nf 1 2 1 2\n";
+    assert_eq!(warnings(lines), "");
 }

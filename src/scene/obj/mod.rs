@@ -6,6 +6,7 @@
 
 mod clean;
 mod decode;
+mod extent;
 mod foreign;
 mod left_out;
 mod lines;
@@ -133,7 +134,7 @@ pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error> {
 /// Reads the OBJ file at `path` by all threads, if it is plain. The mesh has no normals yet.
 pub(super) fn parse_plain_mesh(path: &Path, bytes: &[u8]) -> Option<ObjFile> {
     let faces = plain::read(bytes.strip_prefix(decode::UTF8_MARK).unwrap_or(bytes))?;
-    Some(finish(faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes)))
+    Some(finish(path, faces, MeshCounts::default(), Vec::new(), || source_text(path, bytes)))
 }
 
 fn source_text(path: &Path, bytes: &[u8]) -> Arc<SourceText> {
@@ -160,7 +161,7 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
     let warnings = clean.warnings(&source);
     let counts = MeshCounts { degenerate, ..MeshCounts::default() };
     let faces = clean.read(&source)?;
-    Ok(finish(faces, counts, warnings, || source))
+    Ok(finish(path, faces, counts, warnings, || source))
 }
 
 /// The error for a file without a vertex.
@@ -186,6 +187,7 @@ fn no_mesh(source: &Arc<SourceText>) -> Error {
 
 /// Cuts polygons and makes the mesh.
 fn finish(
+    path: &Path,
     mut faces: Faces,
     mut counts: MeshCounts,
     mut warnings: Vec<String>,
@@ -206,7 +208,10 @@ fn finish(
     counts.polygons = faces.polygons.len();
     counts.concave = cuts.concave;
     (counts.points, counts.lines) = (faces.points, faces.lines);
-    ObjFile { mesh: Mesh::without_normals(faces.positions, faces.triangles), counts, warnings }
+    warnings.extend(extent::without_area(path, &faces.positions, &faces.triangles));
+    let mesh = Mesh::without_normals(faces.positions, faces.triangles);
+    warnings.extend(extent::rounded_away(path, mesh.bounds()));
+    ObjFile { mesh, counts, warnings }
 }
 
 /// The place of a face, by its number among those with three corners or more.

@@ -99,7 +99,7 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
 }
 
 /// The vector across a polygon by Newell's method: its length is twice the area.
-fn normal(points: &[[f64; 3]]) -> [f64; 3] {
+pub(super) fn normal(points: &[[f64; 3]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for edge in points.windows(2) {
         let [a, b] = [edge[0], edge[1]].map(|point| [0, 1, 2].map(|axis| point[axis] - points[0][axis]));
