@@ -23,11 +23,6 @@ impl SamplePattern {
         Self { kind, cells }
     }
 
-    /// Returns the number of cells in each row; 0 if the rows differ.
-    pub fn columns(&self) -> u32 {
-        if self.cells.in_longer_rows == 0 { self.cells.columns } else { 0 }
-    }
-
     /// Returns a set of samples of a pixel. Sets with different numbers are independent.
     #[inline(always)]
     pub fn set(&self, (x, row): (u32, u32), set: u32, seed: u64) -> SampleSet<'_> {

@@ -21,6 +21,7 @@
 //!
 //! [`spread_factor`](super::spread_factor) has the factors.
 
+use super::stratified::Cells;
 use crate::options::SamplerKind;
 use vecmath::{Real, Vector3};
 
@@ -63,21 +64,24 @@ pub enum SetKind {
     Sequences,
     /// Cells in rows of so many; their number, and the number of rows, is even.
     Grid(u32),
-    /// Cells that do not come in blocks of four: so many samples, rows of so many.
-    Rows(u32, u32),
+    /// Cells that do not come in blocks of four.
+    Rows(Cells),
 }
 
 impl SetKind {
-    /// Returns the kind of the sets of `samples` samples; `columns` is the number of cells in each row, 0 if the rows
-    /// differ.
-    pub fn new(sampler: SamplerKind, samples: u32, columns: u32) -> Self {
+    /// Returns the kind of the sets of `samples` samples.
+    pub fn new(sampler: SamplerKind, samples: u32) -> Self {
         match sampler {
             SamplerKind::Independent => Self::Independent,
             SamplerKind::Sobol => Self::Sobol(samples),
-            SamplerKind::Stratified if columns > 0 && [columns, samples / columns].iter().all(|n| n % 2 == 0) => {
-                Self::Grid(columns)
+            SamplerKind::Stratified => {
+                let cells = Cells::new(samples);
+                let is_even = |count: u32| count.is_multiple_of(2);
+                match cells.in_longer_rows == 0 && is_even(cells.columns) && is_even(samples / cells.columns) {
+                    true => Self::Grid(cells.columns),
+                    false => Self::Rows(cells),
+                }
             }
-            SamplerKind::Stratified => Self::Rows(samples, columns.max(1)),
         }
     }
 
@@ -91,11 +95,13 @@ impl SetKind {
             Self::Sobol(_) => {
                 let (first, second) = colors.split_at(colors.len().div_ceil(2));
                 let fine = square(mean(first) - mean(second)).map(|square| square / 4.0);
-                Spread { fine, coarse: of_pairs(colors, colors.len()) }
+                Spread { fine, coarse: of_pairs(std::iter::once(colors), colors.len()) }
             }
             Self::Grid(columns) => of_blocks(colors, columns as usize),
-            Self::Rows(_, columns) => {
-                let fine = of_pairs(colors, columns.max(2) as usize);
+            Self::Rows(cells) => {
+                let (longer, others) = colors.split_at(cells.in_longer_rows as usize);
+                let columns = cells.columns as usize;
+                let fine = of_pairs(longer.chunks(columns + 1).chain(others.chunks(columns)), colors.len());
                 Spread { fine, coarse: fine }
             }
         }
@@ -110,12 +116,11 @@ fn between(means: impl Iterator<Item = Vector3> + Clone, count: usize) -> [f64; 
     squares.map(|sum| sum / (count * (count - 1.0)))
 }
 
-/// Returns the spread within pairs of neighbours in rows of so many colours.
-fn of_pairs(colors: &[Vector3], columns: usize) -> [f64; 3] {
-    let rows = colors.chunks(columns);
+/// Returns the spread within pairs of neighbours in rows of so many colours altogether.
+fn of_pairs<'a>(rows: impl Iterator<Item = &'a [Vector3]>, colors: usize) -> [f64; 3] {
     let pairs = rows.flat_map(|row| row.chunks_exact(2)).map(|pair| square(pair[0] - pair[1]));
     let (sum, count) = pairs.fold(([0.0; 3], 0.0), |(sum, count), pair| (add(sum, pair), count + 1.0));
-    sum.map(|sum| sum / (2.0 * count * colors.len() as f64))
+    sum.map(|sum| sum / (2.0 * count * colors as f64))
 }
 
 /// Returns the spread within blocks of two by two cells, by their differences along x, along y and crosswise.
@@ -175,10 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn odd_rows_are_compared_in_pairs() {
-        let kind = SetKind::new(SamplerKind::Stratified, 2, 2);
-        assert_eq!(kind, SetKind::Rows(2, 2));
-        assert!((kind.spread(&gray([0.0, 1.0])).fine[0] - 0.25).abs() < 1e-7);
-        assert_eq!(SetKind::new(SamplerKind::Stratified, 9, 3), SetKind::Rows(9, 3));
+    fn cells_are_compared_in_pairs_within_their_rows() {
+        let kind = |samples| SetKind::new(SamplerKind::Stratified, samples);
+        assert!((kind(2).spread(&gray([0.0, 1.0])).fine[0] - 0.25).abs() < 1e-7);
+        assert_eq!(kind(9), SetKind::Rows(Cells::new(9)));
+        // Rows of three, three and two: no pair has cells of two rows.
+        let spread = kind(8).spread(&gray([1.0, 1.0, 5.0, 2.0, 2.0, 6.0, 3.0, 4.0]));
+        assert!((spread.fine[0] - 1.0 / (2.0 * 3.0 * 8.0)).abs() < 1e-7, "{spread:?}");
     }
 }

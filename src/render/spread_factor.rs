@@ -1,6 +1,7 @@
 //! What the spread of samples must be multiplied by to be the squared error of their mean.
 
 use super::spread::SetKind;
+use super::stratified::Cells;
 
 impl SetKind {
     /// Returns the squared error of the mean as a multiple of the fine spread, for a whole picture in which the coarse one
@@ -23,8 +24,8 @@ impl SetKind {
             Self::Grid(_) => {
                 interpolated(&[(1.0, 1.0), (1.2, 0.725), (1.6, 0.83), (2.2, 0.75), (5.0, 1.0)], ratio)
             }
-            Self::Rows(2, _) => 1.0 / 1.55,
-            Self::Rows(..) => 1.0 / 2.1,
+            Self::Rows(Cells { count: 2, .. }) => 1.0 / 1.55,
+            Self::Rows(_) => 1.0 / 1.9,
         }
     }
 
@@ -57,7 +58,7 @@ impl SetKind {
         match self {
             Self::Independent => [0.0, 0.0],
             Self::Sobol(_) | Self::Sequences | Self::Grid(4..) => [0.33, 0.22],
-            Self::Grid(_) | Self::Rows(..) => [0.45, 0.35],
+            Self::Grid(_) | Self::Rows(_) => [0.45, 0.35],
         }
     }
 
@@ -71,7 +72,7 @@ impl SetKind {
             }
             // Two halves, as above; and many blocks, whose estimate is steadier than the error.
             Self::Sobol(_) | Self::Sequences => 1.6,
-            Self::Grid(_) | Self::Rows(..) => 2.0,
+            Self::Grid(_) | Self::Rows(_) => 2.0,
         }
     }
 }
@@ -173,7 +174,7 @@ mod tests {
     #[test]
     fn smooth_colours_and_noise_have_the_exact_factors_of_a_grid() {
         // Four by four cells. A slope: cells differ along x only, by 1, and each has the variance of a uniform number.
-        let kind = SetKind::new(SamplerKind::Stratified, 16, 4);
+        let kind = SetKind::new(SamplerKind::Stratified, 16);
         assert_eq!(kind, SetKind::Grid(4));
         // The PCG hash (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020).
         let random = |n: u32| {

@@ -6,7 +6,7 @@ use vecmath::Real;
 ///
 /// The numbers of cells in two rows differ by at most one. The height of a row is proportional to its number of
 /// cells, so that any number of cells covers the pixel and all have the same area.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells {
     pub count: u32,
     /// Cells in most rows.

@@ -8,7 +8,6 @@ use super::error_sums::ErrorSums;
 use super::frame::{Frame, SampleCounts};
 use super::pixel::{Pixel, fill, filter_weight, finite, store};
 use super::rays::RayMaker;
-use super::samples::SamplePattern;
 use super::spread::{SetKind, Spread};
 use super::tile_cost::{TileCost, Totals};
 use super::tiles::{Progress, Tile, Tiles, decode_faces_ahead};
@@ -255,6 +254,5 @@ fn wants_estimate(options: &Options) -> bool {
 }
 
 fn set_kind(options: &Options) -> SetKind {
-    let (sampler, samples) = (options.measure.sampler, options.samples());
-    SetKind::new(sampler, samples, SamplePattern::new(sampler, samples).columns())
+    SetKind::new(options.measure.sampler, options.samples())
 }
