@@ -77,6 +77,7 @@ impl ErrorSums {
     /// levels by the coarse spread, up to [`coarse_factor`](Self::coarse_factor): of one pixel it says more than the fine
     /// one, because more groups are compared.
     pub fn add(&mut self, kind: SetKind, mean: Vector3, spread: &Spread, sets: u32) -> f64 {
+        let mean = mean.to_array().map(|c| c as f64);
         let shown = Spread { fine: clamped(mean, spread.fine), coarse: clamped(mean, spread.coarse) };
         self.add_means(kind.relative_variance(sets), spread.means(), shown.means())
     }
@@ -169,9 +170,12 @@ impl ErrorSums {
 }
 
 /// Returns the variances that remain after colours with this mean are clamped to \[0, 1\].
-fn clamped(mean: Vector3, variances: [f64; 3]) -> [f64; 3] {
-    let mean = mean.to_array().map(|c| c as f64);
-    [0, 1, 2].map(|c| clamped_variance(mean[c], variances[c]))
+#[inline]
+fn clamped(mean: [f64; 3], mut variances: [f64; 3]) -> [f64; 3] {
+    for (variance, mean) in variances.iter_mut().zip(mean) {
+        *variance = clamped_variance(mean, *variance);
+    }
+    variances
 }
 
 #[cfg(test)]

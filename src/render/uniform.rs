@@ -237,7 +237,7 @@ impl<'a> TileRenderer<'a> {
         for (index, seen) in seen.chunks(samples as usize).enumerate() {
             self.colors.clear();
             self.colors.extend(seen.iter().map(|seen| finite(seen.color)));
-            self.colors.iter().for_each(|&color| self.errors.see(color));
+            self.errors.see(self.colors.iter().fold(Vector3::ZERO, |brightest, &color| brightest.greater(color)));
             let weight = if self.options.filter { filter_weight(index) } else { 1.0 };
             spread.add(&kind.spread(&self.colors), weight as f64 * weight as f64);
         }
