@@ -1,7 +1,8 @@
 //! [`Budget`]: the memory that a run needs, against what it can have.
 //!
 //! A process that asks for too much is ended in the middle of its work, often without a word. So what is large is
-//! estimated before it is made, and refused if it does not fit.
+//! estimated before it is made, and refused if it does not fit. What is missed by that is the end of the process, too:
+//! [`interrupt`](crate::interrupt) says the word then.
 
 use crate::error::Error;
 #[cfg(target_os = "linux")]
@@ -16,6 +17,7 @@ pub struct Budget {
     /// `-max-memory`
     max: Option<u64>,
     pictures: u64,
+    cube_map: u64,
     meshes: u64,
 }
 
@@ -31,13 +33,22 @@ impl Budget {
         Self { max, ..Self::default() }
     }
 
-    /// Adds the pictures, which are made later.
+    /// Adds pictures, which are made later.
     ///
     /// # Errors
     /// [`Error::Refused`] if they do not fit.
     pub fn add_pictures(&mut self, bytes: u64) -> Result<(), Error> {
         self.pictures = self.pictures.saturating_add(bytes);
-        self.check("the pictures", self.pictures)
+        self.check(0)
+    }
+
+    /// Adds a cube map, which is decoded later.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if it does not fit beside the pictures.
+    pub fn add_cube_map(&mut self, bytes: u64) -> Result<(), Error> {
+        self.cube_map = self.cube_map.saturating_add(bytes);
+        self.check(0)
     }
 
     /// Adds a mesh, which is made before the next one is added.
@@ -46,7 +57,7 @@ impl Budget {
     /// [`Error::Refused`] if it does not fit beside the pictures.
     pub fn add_mesh(&mut self, bytes: u64) -> Result<(), Error> {
         self.meshes = self.meshes.saturating_add(bytes);
-        self.check("the pictures and meshes", self.pictures.saturating_add(bytes))
+        self.check(bytes)
     }
 
     /// Takes back a mesh that turned out to need nothing.
@@ -54,29 +65,45 @@ impl Budget {
         self.meshes = self.meshes.saturating_sub(bytes);
     }
 
-    /// Checks all that was added against `-max-memory`, and what is still to be made against the system's limits.
-    fn check(&self, what: &str, coming: u64) -> Result<(), Error> {
-        let all = self.pictures.saturating_add(self.meshes);
+    /// Checks all that was added against `-max-memory`, and what is still to be made, `mesh` bytes for a mesh among it, against
+    /// the system's limits.
+    fn check(&self, mesh: u64) -> Result<(), Error> {
+        let later = self.pictures.saturating_add(self.cube_map);
+        let (all, coming) = (later.saturating_add(self.meshes), later.saturating_add(mesh));
         let own = self.max.map(|bytes| (all, Limit { bytes, from: "-max-memory" }));
-        let system = (coming > SMALL).then(limit).flatten().map(|limit| (coming, limit));
+        let system = limit(coming > SMALL).map(|limit| (coming, limit));
         match [own, system].into_iter().flatten().find(|(needed, limit)| *needed > limit.bytes) {
             None => Ok(()),
             Some((needed, limit)) => Err(Error::Refused(format!(
-                "{what} need about {} of memory, and {} can be had ({})",
+                "{} need about {} of memory, and {} can be had ({})",
+                self.contents(),
                 shown(needed),
                 shown(limit.bytes),
                 limit.from
             ))),
         }
     }
+
+    fn contents(&self) -> &'static str {
+        match (self.cube_map > 0, self.meshes > 0) {
+            (false, false) => "the pictures",
+            (false, true) => "the pictures and meshes",
+            (true, false) => "the pictures and the cube map",
+            (true, true) => "the pictures, the cube map and meshes",
+        }
+    }
 }
 
-/// Returns how many threads the limit of the address space allows, if there is one. Half of it is for the picture.
+/// Returns how many threads the limits of the process allow, if there are some. Half of each is for the picture.
 pub fn most_threads() -> Option<usize> {
-    /// Address space of a thread: its stack, and what the allocator reserves for it.
-    const THREAD: u64 = 66 << 20;
+    /// Address space of a thread: its stack, and what the allocator reserves for it; and how much of that is data.
+    const THREAD: [u64; 2] = [66 << 20, 3 << 20];
     #[cfg(target_os = "linux")]
-    return address_space().map(|limit| (limit.bytes / 2 / THREAD).max(1) as usize);
+    return of_process()
+        .into_iter()
+        .zip(THREAD)
+        .filter_map(|(limit, thread)| Some((limit?.bytes / 2 / thread).max(1) as usize))
+        .min();
     #[cfg(not(target_os = "linux"))]
     None
 }
@@ -84,28 +111,38 @@ pub fn most_threads() -> Option<usize> {
 /// Returns a number of bytes as a message shows it.
 pub fn shown(bytes: u64) -> String {
     match bytes {
-        0..0x4000_0000 => format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64),
+        0..0x400 => format!("{bytes} bytes"),
+        0x400..0x10_0000 => format!("{:.1} KiB", bytes as f64 / (1 << 10) as f64),
+        0x10_0000..0x4000_0000 => format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64),
         _ => format!("{:.2} GiB", bytes as f64 / (1 << 30) as f64),
     }
 }
 
-/// Returns the smallest limit on further memory.
+/// Returns the smallest limit on further memory. Without `all`, only those of the process.
 #[cfg(target_os = "linux")]
-fn limit() -> Option<Limit> {
-    [address_space(), cgroup(), machine()].into_iter().flatten().min_by_key(|limit| limit.bytes)
+fn limit(all: bool) -> Option<Limit> {
+    let of_system = || [cgroup(), machine()];
+    let limits = of_process().into_iter().chain(all.then(of_system).into_iter().flatten());
+    limits.flatten().min_by_key(|limit| limit.bytes)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn limit() -> Option<Limit> {
+fn limit(_: bool) -> Option<Limit> {
     None
 }
 
+/// Returns the limits of this process: that of the address space, and that of its part that can be written.
 #[cfg(target_os = "linux")]
-fn address_space() -> Option<Limit> {
+fn of_process() -> [Option<Limit>; 2] {
     use rustix::process::{Resource, getrlimit};
-    let all = getrlimit(Resource::As).current?;
-    let used = kibibytes("/proc/self/status", "VmSize:")?;
-    Some(Limit { bytes: all.saturating_sub(used), from: "the limit of the address space, 'ulimit -v'" })
+    let limit = |resource, key, from| {
+        let all = getrlimit(resource).current?;
+        Some(Limit { bytes: all.saturating_sub(kibibytes("/proc/self/status", key)?), from })
+    };
+    [
+        limit(Resource::As, "VmSize:", "the limit of the address space, 'ulimit -v'"),
+        limit(Resource::Data, "VmData:", "the limit of data, 'ulimit -d'"),
+    ]
 }
 
 /// Returns the smallest limit of the control groups that the process is in. Cached files do not count: they make room.
@@ -160,6 +197,17 @@ mod tests {
         assert!(budget.add_mesh(300).is_ok());
         let message = budget.add_mesh(1 << 20).unwrap_err().to_string();
         assert!(message.starts_with("the pictures and meshes need about 1.0 MiB of memory"), "{message}");
+        budget.take_back_mesh(300 + (1 << 20));
+        let message = budget.add_cube_map(301).unwrap_err().to_string();
+        let needs =
+            "the pictures, the cube map and meshes need about 1001 bytes of memory, and 1000 bytes can be had";
+        assert!(message.starts_with(needs), "{message}");
+    }
+
+    #[test]
+    fn sizes_are_shown_in_their_unit() {
+        let sizes = [(0, "0 bytes"), (1500, "1.5 KiB"), (1 << 20, "1.0 MiB"), (3 << 29, "1.50 GiB")];
+        sizes.into_iter().for_each(|(bytes, text)| assert_eq!(shown(bytes), text));
     }
 
     #[cfg(target_os = "linux")]

@@ -48,6 +48,11 @@ impl PictureFile {
         Ok(Self { decoder, width, height })
     }
 
+    /// Returns the bytes of memory that the pixels take while they are decoded.
+    pub fn decoded_bytes(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height) * bytes_a_pixel(self.decoder.color_type())
+    }
+
     /// Decodes the pixels.
     ///
     /// # Errors

@@ -11,6 +11,8 @@ pub(super) struct Face {
     pub path: PathBuf,
     pub width: i32,
     pub height: i32,
+    /// Bytes that the whole picture takes while it is decoded.
+    pub decoded_bytes: u64,
     /// The upper half, three bytes a texel: above a floor no ray sees more of most faces. `None` if only the whole picture can be
     /// decoded.
     pub upper: OnceLock<Option<Vec<u8>>>,
@@ -24,9 +26,10 @@ impl Face {
         let path = folder.join(format!("{name}.png"));
         let other = ["jpg", "jpeg", "bmp"].map(|extension| path.with_extension(extension));
         match PictureFile::open(&path) {
-            Ok(PictureFile { width, height, .. }) => Ok(Self {
-                width: width as i32,
-                height: height as i32,
+            Ok(picture) => Ok(Self {
+                width: picture.width as i32,
+                height: picture.height as i32,
+                decoded_bytes: picture.decoded_bytes(),
                 upper: OnceLock::new(),
                 texels: OnceLock::new(),
                 path,

@@ -38,6 +38,12 @@ impl CubeMap {
         Ok(Self { faces: [right?, left?, up?, down?, front?, back?] })
     }
 
+    /// Returns the bytes of memory that the faces take if rays reach all of them: whole, beside their upper halves, which may have
+    /// been decoded before.
+    pub fn decoded_bytes(&self) -> u64 {
+        self.faces.iter().map(|face| face.decoded_bytes).sum::<u64>() / 2 * 3
+    }
+
     /// Returns the colour in a direction (of any length but zero), bilinearly interpolated.
     pub fn color(&self, direction: Vector3) -> Vector3 {
         let place = Place::of(direction.normalized());
@@ -112,6 +118,7 @@ mod tests {
                 path: PathBuf::new(),
                 width: 2,
                 height: 2,
+                decoded_bytes: 12,
                 upper: OnceLock::new(),
                 texels: OnceLock::from(Ok((0..4).flat_map(texel).chain([0; PADDING]).collect())),
             }

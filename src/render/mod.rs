@@ -59,13 +59,16 @@ pub fn bytes_needed(options: &Options) -> u64 {
     let measure = &options.measure;
     let has_sums = measure.is_adaptive() || measure.convergence.is_some();
     let sums = if has_sums { TileSamples::bytes_per_pixel(planes) } else { 0 };
+    let all_bands = options.pixel_count() * planes.bytes_per_pixel() as u64;
+    let in_flight = in_flight::bytes_in_flight(Tiles { region: options.shown() }, planes).min(all_bands);
     if !options.keeps_film() {
-        let tiles = Tiles { region: options.shown() };
-        return in_flight::bytes_in_flight(tiles, planes)
-            .min(options.pixel_count() * planes.bytes_per_pixel() as u64)
-            + options.pixel_count() * (sums + of_findings) as u64;
+        return in_flight + options.pixel_count() * (sums + of_findings) as u64;
     }
+    // The reference as numbers, what it is decoded from, and the picture in its form; and the bytes of the error map.
+    let of_reference = if measure.reference.is_some() { 28 } else { 0 };
+    let of_map = if measure.wants_error_map() { 1 } else { 0 };
     // One of the pictures of a curve is kept while others are rendered.
     let films = if measure.convergence.is_some() { 2 } else { 1 };
-    options.pixel_count() * (films * planes.bytes_per_pixel() + sums + of_findings) as u64
+    let bytes = films * planes.bytes_per_pixel() + sums + of_findings + of_reference + of_map;
+    in_flight + options.pixel_count() * bytes as u64
 }

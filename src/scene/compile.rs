@@ -61,7 +61,12 @@ fn compile_as_far_as_right(
     let mut remarks = Remarks { hints: description.hints.clone(), ..Remarks::default() };
     let camera = camera(description)?;
     let cube_map = match &description.background.cube_map {
-        Some(name) if plan.cube_map => Some(cube_map(source, folder, name, &mut remarks)?),
+        Some(name) if plan.cube_map => {
+            let cube_map = cube_map(source, folder, name, &mut remarks)?;
+            let fits = budget.add_cube_map(cube_map.decoded_bytes());
+            fits.map_err(|error| source.error(name.span, error.to_string()))?;
+            Some(cube_map)
+        }
         _ => None,
     };
     let mut flattened = Flattened {

@@ -2,6 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::{Folder, Run, SCENE, TRIANGLE};
+use image::RgbImage;
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::Read as _;
 use std::os::unix::process::ExitStatusExt;
@@ -249,11 +250,11 @@ fn what_does_not_fit_into_memory_is_refused() {
     // With an error map, the whole pictures stay in memory.
     let large = "-input s.txt -output o.png -error-map e.png -size 10000 10000";
     for (limit, arguments, parts) in [
-        ("-v 500000", large, ["the pictures need about 667.6 MiB", "'ulimit -v'"]),
+        ("-v 500000", large, ["the pictures need about 779.0 MiB", "'ulimit -v'"]),
         (
             "-v unlimited",
             &format!("{large} -max-memory 500M"),
-            ["667.6 MiB of memory, and 500.0 MiB", "-max-memory"],
+            ["779.0 MiB of memory, and 500.0 MiB", "-max-memory"],
         ),
         ("-v 250000", "-input mesh.txt -output o.png", ["the pictures and meshes need about", "'ulimit -v'"]),
         ("-v unlimited", "-input mesh.txt -output o.png -max-memory 50M", ["50.0 MiB can be had", "-max-memory"]),
@@ -263,6 +264,47 @@ fn what_does_not_fit_into_memory_is_refused() {
         assert!(parts.iter().all(|part| run.stderr.contains(part)), "{arguments}: {}", run.stderr);
     }
     assert_eq!(folder.files(), ["m.obj", "mesh.txt", "s.txt"]);
+}
+
+/// What is not the picture itself counts, too: less is accepted than the run then takes.
+#[test]
+fn all_that_is_large_is_estimated() {
+    let folder = folder_with_scene();
+    let sky = RgbImage::from_fn(1500, 1500, |x, y| image::Rgb([x as u8, y as u8, 200]));
+    sky.save(folder.write("sky/x", "").path("sky/up.png")).unwrap();
+    for face in ["right", "left", "down", "front", "back"] {
+        std::fs::copy(folder.path("sky/up.png"), folder.path(&format!("sky/{face}.png"))).unwrap();
+    }
+    folder.write("sky.txt", SCENE.replace("Background {", "Background { cubeMap sky "));
+    let short_faces: String = (3..100_000).map(|i| format!("f {} {} {}\n", 1 + i % 7, 8 + i % 2, 10)).collect();
+    let vertices: String = (0..10).map(|i| format!("v {} {} {}\n", i % 3, i % 4, i * i % 5)).collect();
+    folder.write("m.obj", vertices + &short_faces);
+    folder.write("mesh.txt", SCENE.replace(TRIANGLE, "TriangleMesh { obj_file m.obj }"));
+    for (arguments, memory, content) in [
+        ("-input sky.txt -output o.png", "35M", "the pictures and the cube map need about 58.0 MiB"),
+        ("-input mesh.txt -output o.png", "13M", "the pictures and meshes need about 14."),
+        (
+            "-input s.txt -output o.png -size 1500 1500 -reference sky/up.png",
+            "92M",
+            "the pictures need about 108.4 MiB",
+        ),
+        ("-input s.txt -output o.png -size 1500 1500 -error-map e.png", "30M", "the pictures need about 32.2 MiB"),
+        ("-input s.txt -output o.png", "2k", "29.3 KiB of memory, and 2.0 KiB can be had (-max-memory)"),
+    ] {
+        let run = folder.a2(&format!("{arguments} -max-memory {memory}"));
+        assert_eq!(run.exit_code, 1, "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains(content), "{arguments}: {}", run.stderr);
+        let run = folder.a2(&format!("{arguments} -max-memory 130M -report r.json"));
+        assert_eq!(run.exit_code, 0, "{arguments}: {}", run.stderr);
+    }
+    for (limit, arguments, content) in [
+        ("-v 40000", "-compare sky/up.png sky/down.png -diff d.png", "the pictures need about"),
+        ("-d 40000", "-input s.txt -output o.png -size 1500 1500 -target-error 1", "'ulimit -d'"),
+    ] {
+        let run = with_limit(&folder, limit, arguments);
+        assert_eq!(run.exit_code, if arguments.contains("-compare") { 2 } else { 1 }, "{}", run.stderr);
+        assert!(run.stderr.contains("error: ") && run.stderr.contains(content), "{}", run.stderr);
+    }
 }
 
 /// Nothing estimates the memory for the text of a scene.

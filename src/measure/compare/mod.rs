@@ -12,6 +12,7 @@ pub use regions::Region;
 
 use crate::error::Error;
 use crate::film::write_png;
+use crate::memory::Budget;
 use crate::options::CompareOptions;
 use crate::output;
 use crate::picture_file::MAX_PIXELS;
@@ -53,6 +54,10 @@ fn read_both(options: &CompareOptions) -> Result<(Picture, Picture), Error> {
     let files = [("diff", options.diff.as_deref()), ("report", options.report.as_deref())];
     let files = files.into_iter().filter_map(|(flag, path)| Some((flag, path?)));
     output::check_inputs(&output::begin(files)?, [options.a.as_path(), &options.b])?;
+    let (a, b) = (picture::bytes_needed(&options.a), picture::bytes_needed(&options.b));
+    // The differences, and with -diff both pictures and these beside each other.
+    let of_panel = if options.diff.is_some() { 4 * a.max(b) } else { 0 };
+    Budget::new(None).add_pictures(a + b + a.max(b) / 3 + of_panel)?;
     Ok((Picture::read(&options.a)?, Picture::read(&options.b)?))
 }
 

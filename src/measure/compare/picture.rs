@@ -2,9 +2,10 @@
 
 use crate::error::Error;
 use crate::film::{NumberPicture, read_numbers, to_byte};
-use crate::options::format_of_numbers;
+use crate::options::{format_of_numbers, has_extension};
 use crate::picture_file::PictureFile;
 use image::{DynamicImage, RgbImage};
+use std::fs::Metadata;
 use std::path::Path;
 use vecmath::Real;
 
@@ -19,6 +20,16 @@ pub fn read_rgb(path: &Path) -> Result<RgbImage, Error> {
 fn decoded(path: &Path) -> Result<DynamicImage, Error> {
     let picture = PictureFile::open(path).and_then(PictureFile::decode);
     picture.map_err(|message| Error::file(path, message))
+}
+
+/// Estimates the memory for reading a picture, in bytes, by what its file claims. What cannot be looked at twice, or is no
+/// picture, counts as nothing.
+pub fn bytes_needed(path: &Path) -> u64 {
+    let Some(file) = path.metadata().ok().filter(Metadata::is_file) else { return 0 };
+    if has_extension(path, "pfm") {
+        return 2 * file.len();
+    }
+    PictureFile::open(path).map_or(0, |picture| picture.decoded_bytes())
 }
 
 /// A picture to compare; rows from the top.
