@@ -79,6 +79,14 @@ pub struct Outcome {
     /// For standard output.
     pub text: String,
     pub exit_code: u8,
+    /// The exit code where the text cannot be printed.
+    pub if_not_printed: u8,
+}
+
+impl Outcome {
+    fn new(text: String, exit_code: u8) -> Self {
+        Self { text, exit_code, if_not_printed: 1 }
+    }
 }
 
 /// The exit code of a run whose pictures are written, but whose target error or some of whose pixels were not reached.
@@ -94,20 +102,20 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
         (error, code)
     };
     match args::parse(argv).map_err(with_code)? {
-        Request::Print(text) => Ok(Outcome { text, exit_code: 0 }),
+        Request::Print(text) => Ok(Outcome::new(text, 0)),
         Request::PrintUsage(text) => {
             say(&text);
-            Ok(Outcome { text: String::new(), exit_code: 2 })
+            Ok(Outcome::new(String::new(), 2))
         }
         Request::Compare(options) => compare(&options),
         Request::Merge(options) => {
             merge::merge(&options).map_err(with_code)?;
-            Ok(Outcome { text: String::new(), exit_code: 0 })
+            Ok(Outcome::new(String::new(), 0))
         }
         Request::Render(options) if options.check => {
             let (description, plan) = parse(&options).map_err(with_code)?;
             let text = check::check(&description, &plan, &options).map_err(with_code)?;
-            Ok(Outcome { text, exit_code: 0 })
+            Ok(Outcome::new(text, 0))
         }
         Request::Render(options) => render_to_files(&options).map_err(with_code),
     }
@@ -120,7 +128,8 @@ fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {
     let (levels, percent) = (options.levels, options.percent);
     let levels = counted(usize::from(levels), "level");
     let text = format!("{comparison}{verdict}: at most {levels} on all but {percent}%\n");
-    Ok(Outcome { text, exit_code: u8::from(!alike) })
+    // 1 would mean that the pictures are unlike.
+    Ok(Outcome { if_not_printed: measure::CANNOT_COMPARE, ..Outcome::new(text, u8::from(!alike)) })
 }
 
 /// Renders a scene and writes its files.
@@ -135,7 +144,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
             if !options.quiet {
                 say("nothing is rendered: the pictures are done\n");
             }
-            return Ok(Outcome { text: String::new(), exit_code: 0 });
+            return Ok(Outcome::new(String::new(), 0));
         };
         report.remarks.lines(options.quiet).for_each(|line| say(&line));
         if options.explain {
@@ -149,7 +158,7 @@ fn render_to_files(options: &Options) -> Result<Outcome, Error> {
         write::write_findings(options, &report)?;
         write::say_what_is_written(options, &report);
         let text = report.pixels.iter().map(|pixel| pixel.text(options)).collect();
-        Ok(Outcome { text, exit_code: if report.is_complete(options) { 0 } else { INCOMPLETE } })
+        Ok(Outcome::new(text, if report.is_complete(options) { 0 } else { INCOMPLETE }))
     })
 }
 

@@ -2,23 +2,22 @@
 #![forbid(unsafe_code)]
 
 use a2::error::Error;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::process::ExitCode;
-
-/// The exit code where the result cannot be printed. 1 would mean that compared pictures are unlike.
-const CANNOT_PRINT: u8 = 2;
 
 fn main() -> ExitCode {
     a2::interrupt::handle_signals();
     a2::interrupt::handle_panics();
     let (error, exit_code) = match a2::run(std::env::args_os().skip(1)) {
-        Ok(outcome) => match print(&outcome.text) {
+        Ok(outcome) => match a2::output::print(&outcome.text) {
             Ok(()) => return ExitCode::from(outcome.exit_code),
-            Err(error) => (Error::Refused(format!("cannot write to standard output: {error}")), CANNOT_PRINT),
+            Err(error) => {
+                (Error::Refused(format!("cannot write to standard output: {error}")), outcome.if_not_printed)
+            }
         },
         Err(refused) => refused,
     };
-    a2::output::say(&format!("{}\n", error.report(shows_colors())));
+    a2::output::say_in_colors(&format!("{}\n", error.report(shows_colors())));
     ExitCode::from(exit_code)
 }
 
@@ -27,10 +26,4 @@ fn shows_colors() -> bool {
     let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let is_dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
     std::io::stderr().is_terminal() && !is_set("NO_COLOR") && !is_dumb
-}
-
-fn print(text: &str) -> std::io::Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    stdout.flush()
 }

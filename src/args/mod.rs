@@ -120,6 +120,9 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         return Err(Error::Usage(message.into()));
     }
     check_region(&options)?;
+    if options.check && options.measure.report.is_some() {
+        return Err(usage_error("report", "does not go with -check, which renders nothing"));
+    }
     Ok(options)
 }
 

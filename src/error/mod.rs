@@ -6,7 +6,7 @@ mod words;
 
 pub use remarks::Remarks;
 pub use source::{SourceError, SourceText, Span};
-pub use words::{counted, cut_short, probably_meant};
+pub use words::{counted, cut_short, probably_meant, visible};
 
 use annotate_snippets::Renderer;
 use std::fmt;
@@ -36,14 +36,18 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) => write!(f, "{message}\nhint: 'a2 -h' lists the flags"),
+            Self::Usage(message) => write!(f, "{}\nhint: 'a2 -h' lists the flags", visible(message)),
             Self::Source(error) => error.fmt(f),
             Self::Several(errors) => {
                 errors.iter().try_for_each(|error| write!(f, "{error}\n\nerror: "))?;
                 f.write_str(&number_of(errors))
             }
-            Self::File { path, message } => write!(f, "{}: {message}", path.display()),
-            Self::Refused(message) => f.write_str(message),
+            Self::File { path, message } => {
+                let path = path.to_string_lossy();
+                // No line begins within the name.
+                write!(f, "{}: {}", visible(&path).replace('\n', "\u{240a}"), visible(message))
+            }
+            Self::Refused(message) => f.write_str(&visible(message)),
         }
     }
 }
@@ -58,7 +62,11 @@ impl Error {
 
     /// Makes an error of the operating system, which refused to do `action` with a file.
     pub fn io(path: &Path, action: &str, error: &io::Error) -> Self {
-        Self::file(path, format!("cannot {action}: {error}"))
+        /// `EMFILE`, which has no name in Rust.
+        const TOO_MANY_FILES: i32 = 24;
+        let is_limit = cfg!(unix) && error.raw_os_error() == Some(TOO_MANY_FILES);
+        let limit = if is_limit { ": 'ulimit -n' shows how many this process may have" } else { "" };
+        Self::file(path, format!("cannot {action}: {error}{limit}"))
     }
 
     /// Makes one error of several mistakes, in the order of their places, and of the first [`MOST_SHOWN`] where there are

@@ -13,6 +13,24 @@ pub fn cut_short(word: &str) -> Cow<'_, str> {
     }
 }
 
+/// Returns a text as a terminal may show it: a control character, which the name of a file may hold, as its symbol. Ends of lines
+/// and tabs stay.
+pub fn visible(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    /// Unicode has pictures of the first 32 characters, and of the last one of ASCII.
+    const PICTURES: u32 = 0x2400;
+    let symbol = |c: char| match u32::from(c) {
+        code @ 0..0x20 => char::from_u32(PICTURES + code),
+        0x7f => Some('\u{2421}'),
+        _ => None,
+    };
+    let shown = |c| if is_hidden(c) { symbol(c).unwrap_or(char::REPLACEMENT_CHARACTER) } else { c };
+    Cow::Owned(text.chars().map(shown).collect())
+}
+
 /// Returns the word of `known` that `word` is probably a typing mistake of.
 pub fn probably_meant<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // A longer word is no typing mistake, and the time for its distance grows with the length.
@@ -52,6 +70,12 @@ mod tests {
         assert_eq!(probably_meant(&word, ["radius", "center"]), None);
         assert_eq!(cut_short(&word), format!("{}...", "ä".repeat(LONGEST_WORD)));
         assert_eq!(cut_short("short"), "short");
+    }
+
+    #[test]
+    fn control_characters_are_seen() {
+        assert_eq!(visible("\x1b[31ma\tb\n\x7f\u{9b}"), "␛[31ma\tb\n␡\u{fffd}");
+        assert!(matches!(visible("été\n"), Cow::Borrowed(_)));
     }
 
     #[test]

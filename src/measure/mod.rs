@@ -7,7 +7,7 @@ mod report;
 mod report_text;
 mod ssim;
 
-pub use compare::{Comparison, Region, compare_files};
+pub use compare::{CANNOT_COMPARE, Comparison, Region, compare_files};
 pub use convergence::{Convergence, render as render_convergence, sentences, shown as convergence_file};
 pub use reference::{Reference, TrueError};
 pub use report::{Phases, Report};

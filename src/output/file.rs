@@ -1,11 +1,11 @@
 //! [`OutputFile`]: a file that is being written.
 
-use super::target::{Target, check_replaceable, standard_output};
+use super::target::{Target, check_open, check_replaceable, identity, standard_output};
 use super::temporary::Temporary;
 use crate::error::Error;
 use crate::input::is_standard;
 use std::fs::{File, Permissions};
-use std::io::{self, IsTerminal as _, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind, IsTerminal as _, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{SpooledTempFile, spooled_tempfile};
 
@@ -39,7 +39,7 @@ impl OutputFile {
         let place = match Target::of(name)? {
             Target::Stream | Target::StandardOutput => Place::Stream(spooled_tempfile(IN_MEMORY)),
             Target::File { path, permissions } => {
-                let temporary = Temporary::beside(&path).map_err(|error| refused(name, what, &error))?;
+                let temporary = Temporary::beside(&path).map_err(|error| no_new_file(name, what, &error))?;
                 Place::File { temporary, path, permissions }
             }
         };
@@ -55,8 +55,12 @@ impl OutputFile {
             return Err(Error::file(name, "standard output is a terminal: lead it into a file or a pipe"));
         }
         let file = Self::new(name, "this file")?;
-        if let Place::File { temporary, path, permissions: Some(permissions) } = &file.place {
-            check_replaceable(name, path, permissions, temporary)?;
+        match &file.place {
+            Place::File { temporary, path, permissions: Some(permissions) } => {
+                check_replaceable(name, path, permissions, temporary)?;
+            }
+            Place::Stream(_) => check_open(name)?,
+            Place::File { .. } => {}
         }
         Ok(Self { what, ..file })
     }
@@ -66,12 +70,20 @@ impl OutputFile {
         &self.name
     }
 
-    /// Returns the path with all links resolved, and `-` for standard output; `None` for a device or a pipe, into which
-    /// several may write.
+    /// Returns the path with all links resolved; `None` for what is written into.
     pub fn path(&self) -> Option<&Path> {
         match &self.place {
             Place::File { path, .. } => Some(path),
-            Place::Stream(_) => Some(self.name()).filter(|name| is_standard(name)),
+            Place::Stream(_) => None,
+        }
+    }
+
+    /// Returns whether one of two files would be lost, or both go into one pipe. Several may write into a device.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self.path(), other.path()) {
+            (Some(path), Some(other)) => path == other,
+            _ if is_standard(&self.name) && is_standard(&other.name) => true,
+            _ => identity(&self.name).is_some_and(|own| identity(&other.name) == Some(own)),
         }
     }
 
@@ -124,6 +136,16 @@ fn send(spooled: &mut SpooledTempFile, name: &Path) -> io::Result<()> {
         if is_standard(name) { standard_output()? } else { File::options().append(true).open(name)? };
     spooled.seek(SeekFrom::Start(0))?;
     io::copy(spooled, &mut stream).map(|_| ())
+}
+
+/// Makes the error for a folder in which no file can be made.
+fn no_new_file(name: &Path, what: &str, error: &io::Error) -> Error {
+    match error.kind() {
+        ErrorKind::PermissionDenied => {
+            Error::io(name, &format!("write {what}, because no file can be made in its folder"), error)
+        }
+        _ => refused(name, what, error),
+    }
 }
 
 fn refused(name: &Path, what: &str, error: &io::Error) -> Error {

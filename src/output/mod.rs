@@ -11,14 +11,27 @@ mod temporary;
 pub use file::OutputFile;
 pub use temporary::{remove_unfinished, remove_unfinished_if_possible};
 
-use crate::error::Error;
+use crate::error::{Error, visible};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// Writes to standard error. Errors of writing are ignored: where the terminal or a pipe is closed, there is nobody to
-/// tell.
+/// Writes to standard error, control characters as symbols. Errors of writing are ignored: where the terminal or a pipe is
+/// closed, there is nobody to tell.
 pub fn say(text: &str) {
+    say_in_colors(&visible(text));
+}
+
+/// Writes to standard error what may hold control characters.
+pub fn say_in_colors(text: &str) {
     let _ = io::stderr().write_all(text.as_bytes());
+}
+
+/// Writes to standard output, control characters as symbols.
+///
+/// # Errors
+/// The operating system's; that nothing can be written there is one, which Rust's own functions ignore.
+pub fn print(text: &str) -> io::Result<()> {
+    if text.is_empty() { Ok(()) } else { target::standard_output()?.write_all(visible(text).as_bytes()) }
 }
 
 /// Writes a file by calling `write`. Errors call it `what`.
@@ -47,8 +60,7 @@ pub fn begin<'a>(files: impl Iterator<Item = (&'static str, &'a Path)>) -> Resul
     let (mut flags, mut begun) = (Vec::new(), Vec::<OutputFile>::new());
     for (flag, path) in files {
         let file = OutputFile::checked(path, "the picture")?;
-        let is_same = |before: &OutputFile| before.path().is_some() && before.path() == file.path();
-        if let Some(index) = begun.iter().position(is_same) {
+        if let Some(index) = begun.iter().position(|before| before.is_same(&file)) {
             let (other, name, path) = (flags[index], begun[index].name().display(), path.display());
             let message =
                 format!("-{other} {name} and -{flag} {path} are the same file: one of them would be lost");

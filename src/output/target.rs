@@ -34,13 +34,16 @@ impl Target {
         }
         match fs::metadata(path) {
             Ok(metadata) if metadata.is_dir() => Err(Error::file(path, "this is a folder")),
-            Ok(metadata) if metadata.is_file() && !is_open_file(path) => {
+            Ok(metadata) if metadata.is_file() && !leads_to_open_file(path) => {
                 let permissions = Some(metadata.permissions());
                 Ok(Self::File { path: path.canonicalize().map_err(refused)?, permissions })
             }
             Ok(_) => Ok(Self::Stream),
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 Ok(Self::File { path: new_file(path)?, permissions: None })
+            }
+            Err(error) if error.kind() == ErrorKind::PermissionDenied && path.is_symlink() => {
+                Err(Error::io(path, "follow this link", &error))
             }
             Err(error) => Err(refused(error)),
         }
@@ -83,10 +86,49 @@ pub fn standard_output() -> io::Result<File> {
     Ok(io::stdout().as_handle().try_clone_to_owned()?.into())
 }
 
-/// Returns whether a name stands for a file that this process has open. Replacing the file would not reach whoever opened
-/// it.
-fn is_open_file(path: &Path) -> bool {
-    ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|open| path.starts_with(open))
+/// Checks that a device or an open file can be written into. A pipe cannot be opened before somebody reads it.
+///
+/// # Errors
+/// [`Error::File`] if it cannot.
+pub fn check_open(name: &Path) -> Result<(), Error> {
+    let is_pipe = fs::metadata(name).map_or(true, |metadata| !metadata.is_file() && !is_device(&metadata));
+    let opened = if is_pipe { Ok(()) } else { File::options().append(true).open(name).map(|_| ()) };
+    opened.map_err(|error| Error::io(name, "write this file", &error))
+}
+
+/// Returns what tells a pipe or a file from others; `None` for a device.
+#[cfg(unix)]
+pub fn identity(name: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let of_output = || standard_output().and_then(|output| output.metadata());
+    let metadata = if is_standard(name) { of_output() } else { fs::metadata(name) };
+    metadata.ok().filter(|metadata| !is_device(metadata)).map(|metadata| (metadata.dev(), metadata.ino()))
+}
+
+#[cfg(not(unix))]
+pub fn identity(_: &Path) -> Option<(u64, u64)> {
+    None
+}
+
+#[cfg(unix)]
+fn is_device(metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    metadata.file_type().is_char_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &fs::Metadata) -> bool {
+    false
+}
+
+/// Returns whether a name, or a link that it leads to, stands for a file that this process has open. Replacing the file would not
+/// reach whoever opened it.
+fn leads_to_open_file(path: &Path) -> bool {
+    let next = |path: &PathBuf| fs::read_link(path).ok().map(|link| folder_of(path).join(link));
+    let is_open = |path: &PathBuf| {
+        ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|open| path.starts_with(open))
+    };
+    std::iter::successors(Some(path.to_owned()), next).any(|path| is_open(&path))
 }
 
 /// Follows the links of a name under which there is nothing yet.

@@ -91,6 +91,71 @@ fn no_two_results_share_a_file() {
     assert_eq!(fs::read(folder.path("old.png")).unwrap(), b"old");
 }
 
+/// One reader cannot tell two files apart, but a device takes what it is given.
+#[test]
+fn no_two_results_share_a_pipe() {
+    let folder = folder_with_scene();
+    symlink("/dev/stdout", folder.path("so.png")).unwrap();
+    symlink("/dev/stdout", folder.path("so.json")).unwrap();
+    for line in [
+        "mkfifo f.png; (a2 s.txt -output f.png -normals ./f.png; echo $? > code) & cat f.png; wait; exit $(cat code)",
+        "a2 s.txt -output - -normals so.png | cat; exit ${PIPESTATUS[0]}",
+        "a2 s.txt -normals so.png -report so.json | cat; exit ${PIPESTATUS[0]}",
+        "a2 s.txt -output - -normals both.png > both.png",
+        "a2 s.txt -output so.png -report so.json > both.png",
+    ] {
+        // A reader of a pipe that nobody opens would wait for ever.
+        let run = shell(&folder, &line.replace("cat f.png", "timeout 1 cat f.png"));
+        assert_eq!((run.exit_code, run.stdout.as_str()), (2, ""), "{line}: {}", run.stderr);
+        assert!(run.stderr.contains("are the same file: one of them would be lost"), "{line}: {}", run.stderr);
+    }
+    let run = shell(&folder, "a2 s.txt -output so.png > one.png");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    assert_eq!(folder.picture("one.png").dimensions(), (100, 100));
+}
+
+#[test]
+fn names_are_shown_without_control_characters() {
+    let folder = folder_with_scene();
+    for line in [
+        "a2 $'\\e[31mx.txt' -output o.png",
+        "a2 s.txt -output $'no\\e[31md/o.png'",
+        "a2 s.txt -output $'o.\\e[31m'",
+        "a2 s.txt $'\\e[31m'",
+        "cp s.txt $'\\e[31m.txt'; echo x >> $'\\e[31m.txt'; a2 $'\\e[31m.txt' -check",
+    ] {
+        let run = shell(&folder, line);
+        assert_ne!(run.exit_code, 0, "{line}");
+        assert!(run.stderr.contains("␛[31m") && !run.stderr.contains('\x1b'), "{line}: {}", run.stderr);
+    }
+    let run = shell(&folder, "cp s.txt $'\\e[32m.txt'; a2 $'\\e[32m.txt' -check");
+    assert!(run.stdout.starts_with("␛[32m.txt: no mistakes"), "{}", run.stdout);
+}
+
+#[test]
+fn errors_of_the_system_say_what_refused() {
+    let folder = folder_with_scene();
+    symlink("/proc/version", folder.path("version.png")).unwrap();
+    must_be_refused(&folder, "s.txt -output version.png", "version.png: cannot write ");
+    let run = shell(&folder, "ulimit -n 4; a2 s.txt -output o.png");
+    assert_eq!(run.exit_code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("'ulimit -n' shows how many"), "{}", run.stderr);
+    // The superuser may write anywhere, so another user tries, if this one may become another.
+    folder.write("locked/o.png", "old");
+    let open = |mode| fs::set_permissions(folder.path(mode), Permissions::from_mode(0o777));
+    open(".").unwrap();
+    fs::set_permissions(folder.path("locked/o.png"), Permissions::from_mode(0o666)).unwrap();
+    fs::set_permissions(folder.path("locked"), Permissions::from_mode(0o555)).unwrap();
+    let program = folder.path("a2");
+    fs::copy(env!("CARGO_BIN_EXE_a2"), &program).unwrap();
+    let as_other = "setpriv --reuid 54321 --regid 54321 --clear-groups ./a2 s.txt -output locked/o.png";
+    let line = format!("if [ $(id -u) = 0 ]; then {as_other}; else ./a2 s.txt -output locked/o.png; fi");
+    let run = shell(&folder, &line);
+    assert_eq!(run.exit_code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("because no file can be made in its folder: Permission denied"), "{}", run.stderr);
+    fs::set_permissions(folder.path("locked"), Permissions::from_mode(0o755)).unwrap();
+}
+
 #[test]
 fn names_that_cannot_be_written_are_found_before_rendering() {
     let folder = folder_with_scene();
@@ -155,10 +220,20 @@ fn results_that_cannot_be_printed_are_an_error() {
     let folder = folder_with_scene();
     assert_eq!(folder.a2("-input s.txt -output o.png").exit_code, 0);
     assert_ne!(middle(&folder.picture("o.png")), [0; 3]);
-    for command in ["-help", "-version", "-compare o.png o.png"] {
-        let run = shell(&folder, &format!("a2 {command} > /dev/full"));
-        assert_eq!(run.exit_code, 2, "{command}");
-        assert!(run.stderr.contains("error: cannot write to standard output: No space left"), "{}", run.stderr);
+    for (command, exit_code) in [
+        ("-help", 1),
+        ("-version", 1),
+        ("s.txt -check", 1),
+        ("s.txt -pixel 50 50", 1),
+        // 1 would mean that they differ.
+        ("-compare o.png o.png", 2),
+    ] {
+        for (output, message) in [("> /dev/full", "No space left"), ("1< /dev/null", "Bad file descriptor")] {
+            let run = shell(&folder, &format!("a2 {command} {output}"));
+            assert_eq!(run.exit_code, exit_code, "{command} {output}");
+            let message = format!("error: cannot write to standard output: {message}");
+            assert!(run.stderr.contains(&message), "{command} {output}: {}", run.stderr);
+        }
     }
 }
 

@@ -72,5 +72,8 @@ fn check_reads_all_files_and_writes_none() {
     folder.write("m.txt", SCENE.replace("Triangle {", "TriangleMesh { obj_file none.obj } Triangle {"));
     let run = folder.a2("m.txt -check");
     assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""));
+    let run = folder.a2("sky.txt -check -report r.json");
+    assert_eq!((run.exit_code, run.stdout.as_str()), (2, ""));
+    assert!(run.stderr.starts_with("error: -report: does not go with -check"), "{}", run.stderr);
     assert_eq!(folder.files(), ["m.txt", "sky", "sky.txt"]);
 }

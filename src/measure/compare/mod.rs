@@ -21,7 +21,7 @@ use picture::Picture;
 use std::io::Write as _;
 
 /// The exit code where a picture cannot be read or a file cannot be written.
-const CANNOT_COMPARE: u8 = 2;
+pub const CANNOT_COMPARE: u8 = 2;
 /// The exit code where the pictures have different sizes.
 const SIZES_DIFFER: u8 = 3;
 
