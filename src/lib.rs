@@ -24,6 +24,7 @@ mod check;
 pub mod cost;
 pub mod cube_map;
 pub mod error;
+mod file_kind;
 pub mod file_path;
 pub mod film;
 pub mod hints;

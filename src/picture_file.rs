@@ -1,11 +1,12 @@
 //! [`PictureFile`]: a PNG or EXR file to read. What it claims is checked before memory is taken for it, so that a small
 //! file cannot take much.
 
+use crate::file_kind;
 use crate::input::read_whole;
 use crate::options::has_extension;
 use crc32fast::Hasher;
 use image::codecs::png::PngDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read as _, Result as IoResult};
 use std::path::Path;
@@ -22,8 +23,13 @@ const BYTES_PER_FILE_BYTE: u64 = 4096;
 /// Place of the colour type in a PNG file, and the type of pictures with a palette.
 const COLOR_TYPE: usize = 25;
 const WITH_PALETTE: u8 = 3;
-/// Memory for what a PNG holds beside its pixels. A larger colour profile is skipped; none is ever used.
+/// Memory for what a PNG of any size holds beside its pixels. A larger colour profile is skipped; none is ever used.
 const MAX_EXTRA_BYTES: u64 = 16 << 20;
+/// Further memory for each byte of the file: texts are read into a buffer that grows to twice their size, and copied.
+const EXTRA_FOR_FILE_BYTE: u64 = 4;
+/// How PNG files begin: with a mark, then the first chunk, whose length is always the same. Then the size follows.
+const PNG_MARK: &[u8] = b"\x89PNG\r\n\x1a\n";
+const PNG_HEAD: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
 
 /// A picture file whose size is known and allowed, and whose pixels are not decoded yet.
 pub struct PictureFile {
@@ -58,7 +64,7 @@ impl PictureFile {
     /// # Errors
     /// The message, without the file's name.
     pub fn decode(self) -> Result<DynamicImage, String> {
-        DynamicImage::from_decoder(self.decoder).map_err(|error| unreadable(&error))
+        DynamicImage::from_decoder(self.decoder).map_err(|error| unreadable(&error, None))
     }
 }
 
@@ -136,10 +142,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
 
 /// Checks the size that a picture file claims, in pixels and in bytes of memory while it is decoded.
 fn check_size(width: u32, height: u32, bytes_a_pixel: u64, file_bytes: u64) -> Result<(), String> {
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MAX_PIXELS {
-        return Err(format!("this picture claims {width} x {height} pixels; the limit is {MAX_PIXELS} in all"));
-    }
+    let pixels = check_pixels(width, height)?;
     let (claimed, allowed) =
         (pixels * bytes_a_pixel, BASE_BYTES.saturating_add(file_bytes.saturating_mul(BYTES_PER_FILE_BYTE)));
     if claimed > allowed {
@@ -149,6 +152,14 @@ fn check_size(width: u32, height: u32, bytes_a_pixel: u64, file_bytes: u64) -> R
         ));
     }
     Ok(())
+}
+
+/// Checks the number of pixels that a picture file claims, and returns it.
+fn check_pixels(width: u32, height: u32) -> Result<u64, String> {
+    match u64::from(width) * u64::from(height) {
+        pixels @ ..=MAX_PIXELS => Ok(pixels),
+        _ => Err(format!("this picture claims {width} x {height} pixels; the limit is {MAX_PIXELS} in all")),
+    }
 }
 
 /// Returns the bytes that a pixel takes while it is decoded and then turned into three bytes or numbers.
@@ -166,22 +177,34 @@ fn png_decoder(path: &Path) -> Result<(Box<dyn ImageDecoder>, u64), String> {
     let file = accessed(File::open(path))?;
     let file_bytes = accessed(file.metadata())?.len();
     let mut reader = BufReader::new(file);
-    if let Ok(format) = image::guess_format(accessed(reader.fill_buf())?)
-        && format != ImageFormat::Png
-    {
-        return Err(format!("this is a {} picture, not a PNG", format!("{format:?}").to_uppercase()));
+    let head = accessed(reader.fill_buf())?;
+    if !head.starts_with(PNG_MARK) {
+        return Err(of_another_kind("PNG", head));
     }
+    if let Some([a, b, c, d, e, f, g, h, ..]) = head.strip_prefix(PNG_HEAD) {
+        check_pixels(u32::from_be_bytes([*a, *b, *c, *d]), u32::from_be_bytes([*e, *f, *g, *h]))?;
+    }
+    let extra = MAX_EXTRA_BYTES.saturating_add(file_bytes.saturating_mul(EXTRA_FOR_FILE_BYTE));
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MAX_EXTRA_BYTES);
-    let decoder: Box<dyn ImageDecoder> = if accessed(reader.fill_buf())?.get(COLOR_TYPE) == Some(&WITH_PALETTE) {
+    limits.max_alloc = Some(extra);
+    let opened = if head.get(COLOR_TYPE) == Some(&WITH_PALETTE) {
         let mut bytes = Vec::new();
         accessed(reader.take(MAX_FILE_BYTES).read_to_end(&mut bytes))?;
         check_palette(&bytes)?;
-        Box::new(PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(|error| unreadable(&error))?)
+        PngDecoder::with_limits(Cursor::new(bytes), limits)
+            .map(|decoder| Box::new(decoder) as Box<dyn ImageDecoder>)
     } else {
-        Box::new(PngDecoder::with_limits(reader, limits).map_err(|error| unreadable(&error))?)
+        PngDecoder::with_limits(reader, limits).map(|decoder| Box::new(decoder) as Box<dyn ImageDecoder>)
     };
-    Ok((decoder, file_bytes))
+    Ok((opened.map_err(|error| unreadable(&error, Some(extra)))?, file_bytes))
+}
+
+/// Says that a file is no picture of this kind, and what it seems to be.
+pub fn of_another_kind(kind: &str, bytes: &[u8]) -> String {
+    match file_kind::kind_of_picture(bytes) {
+        Some(what) => format!("this is no {kind} picture: the file is {what}"),
+        None => format!("this is no {kind} picture: it does not begin like one"),
+    }
 }
 
 /// Checks that a palette ends with a whole colour: the library panics in the middle of one.
@@ -199,17 +222,30 @@ fn check_palette(bytes: &[u8]) -> Result<(), String> {
 /// Returns a decoder of an EXR file, and the file's size in bytes.
 #[cfg(feature = "exr")]
 fn exr_decoder(bytes: Vec<u8>) -> Result<(Box<dyn ImageDecoder>, u64), String> {
+    /// How EXR files begin.
+    const MARK: &[u8] = b"\x76\x2f\x31\x01";
+    if !bytes.starts_with(MARK) {
+        return Err(of_another_kind("EXR", &bytes));
+    }
     let file_bytes = bytes.len() as u64;
     let decoder = image::codecs::openexr::OpenExrDecoder::new(Cursor::new(bytes));
-    Ok((Box::new(decoder.map_err(|error| unreadable(&error))?), file_bytes))
+    Ok((Box::new(decoder.map_err(|error| unreadable(&error, None))?), file_bytes))
 }
 
 fn accessed<T>(result: IoResult<T>) -> Result<T, String> {
     result.map_err(|error| format!("cannot read the picture: {error}"))
 }
 
-fn unreadable(error: &image::ImageError) -> String {
-    format!("cannot read this picture: {error}")
+/// Says why a picture cannot be read. `extra`: the most bytes that were allowed for what it holds beside its pixels.
+fn unreadable(error: &ImageError, extra: Option<u64>) -> String {
+    match (error, extra) {
+        (ImageError::Limits(_), Some(extra)) => {
+            format!(
+                "this picture needs more than {extra} bytes of memory, the limit, for what it holds beside its pixels"
+            )
+        }
+        _ => format!("cannot read this picture: {error}"),
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use super::exr::ExrEncoder;
 use crate::error::Error;
 use crate::options::has_extension;
-use crate::picture_file::{PictureFile, read_bytes};
+use crate::picture_file::{PictureFile, of_another_kind, read_bytes};
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -136,7 +136,7 @@ fn write_pfm_rows(
 /// [`Error::File`] when it cannot be read or holds no colours.
 pub fn read_numbers(path: &Path) -> Result<NumberPicture, Error> {
     let picture = if is_pfm(path) {
-        read_bytes(path).and_then(|bytes| parse_pfm(&bytes).map_err(str::to_owned))
+        read_bytes(path).and_then(|bytes| parse_pfm(&bytes))
     } else {
         PictureFile::open(path).and_then(PictureFile::decode).map(|picture| {
             let picture = picture.into_rgb32f();
@@ -146,27 +146,63 @@ pub fn read_numbers(path: &Path) -> Result<NumberPicture, Error> {
     picture.map_err(|message| Error::file(path, message))
 }
 
-fn parse_pfm(bytes: &[u8]) -> Result<NumberPicture, &'static str> {
-    // Four words, each ended by one white space character. The rest is data, which may contain such bytes too.
-    let mut words = bytes.splitn(5, |byte| byte.is_ascii_whitespace());
-    let mut text = || words.next().and_then(|word| std::str::from_utf8(word).ok());
-    if text() != Some("PF") {
-        return Err("this is no PFM picture of three channels: it does not begin with PF");
-    }
-    let (width, height) = (text().and_then(|w| w.parse::<u32>().ok()), text().and_then(|h| h.parse::<u32>().ok()));
-    let scale = text().and_then(|scale| scale.parse::<f32>().ok());
-    let (Some(width @ 1..), Some(height @ 1..), Some(scale)) = (width, height, scale) else {
-        return Err("this PFM picture has no width, height and scale");
-    };
-    let data = words.next().unwrap_or_default();
+fn parse_pfm(bytes: &[u8]) -> Result<NumberPicture, String> {
+    let (head, data) = pfm_head(bytes)?;
+    let PfmHead { width, height, scale } = head;
     let row_bytes = 12 * width as usize;
     if row_bytes.checked_mul(height as usize) != Some(data.len()) {
-        return Err("this PFM picture is shorter or longer than its width and height say");
+        return Err(format!(
+            "this PFM picture has {} bytes of numbers, and {width} x {height} pixels take {}",
+            data.len(),
+            12 * u128::from(width) * u128::from(height)
+        ));
     }
     let number = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     let numbers =
         data.chunks_exact(row_bytes).rev().flat_map(|row| row.as_chunks().0).map(|&n| number(n)).collect();
     Ok(NumberPicture { width, height, numbers })
+}
+
+struct PfmHead {
+    width: u32,
+    height: u32,
+    /// Below 0 for numbers whose lowest byte comes first.
+    scale: f32,
+}
+
+/// Parses the head of a PFM file: four words, each ended by one white space character, or all by CR and LF.
+/// Returns it and the data behind it, which may contain such bytes, too.
+fn pfm_head(bytes: &[u8]) -> Result<(PfmHead, &[u8]), String> {
+    if !bytes.starts_with(b"PF") || !bytes.get(2).is_some_and(u8::is_ascii_whitespace) {
+        let grey =
+            bytes.starts_with(b"Pf").then(|| "this PFM picture has one channel: three are needed".to_owned());
+        return Err(grey.unwrap_or_else(|| of_another_kind("PFM", bytes)));
+    }
+    let mut rest = &bytes[2..];
+    let mut word = || {
+        rest = rest.trim_ascii_start();
+        let end = rest.iter().position(u8::is_ascii_whitespace)?;
+        let (word, behind) = rest.split_at(end);
+        rest = behind;
+        std::str::from_utf8(word).ok()
+    };
+    let size = |word: Option<&str>| word.and_then(|word| word.parse::<u32>().ok());
+    let (width, height) = (size(word()), size(word()));
+    let scale = word().and_then(|word| word.parse::<f32>().ok());
+    let (Some(width), Some(height), Some(scale)) = (width, height, scale) else {
+        return Err("this PFM picture has no width, height and scale".to_owned());
+    };
+    if width == 0 || height == 0 {
+        return Err(format!("this PFM picture has no pixels: its size is {width} x {height}"));
+    }
+    if scale == 0.0 || !scale.is_finite() {
+        return Err(format!(
+            "this PFM picture has a scale of {scale}: expected a number below 0 (the lowest byte comes first) or above 0"
+        ));
+    }
+    let ends_lines_with_crlf = bytes.starts_with(b"PF\r\n") && rest.starts_with(b"\r\n");
+    let data = rest.get(if ends_lines_with_crlf { 2 } else { 1 }..).unwrap_or_default();
+    Ok((PfmHead { width, height, scale }, data))
 }
 
 #[cfg(test)]
@@ -203,8 +239,37 @@ mod tests {
             b"PF\n1 1\n-1.0\n123",
             b"PF\n0 0\n-1.0\n",
             b"PF\n4294967295 4294967295\n-1.0\nx",
+            b"PF\n1 1\n-1.0",
         ] {
             assert!(parse_pfm(bytes).is_err());
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_pfm_is_said() {
+        let said = |head: &str| parse_pfm(&[head.as_bytes(), &[0; 12]].concat()).map(|_| ()).unwrap_err();
+        for (head, message) in [
+            ("PF\n1 1\n0\n", "has a scale of 0: expected a number below 0"),
+            ("PF\n1 1\n-0.0\n", "has a scale of -0: "),
+            ("PF\n1 1\nnan\n", "has a scale of NaN: "),
+            ("PF\n1 1\ninf\n", "has a scale of inf: "),
+            ("PF\n0 5\n-1\n", "has no pixels: its size is 0 x 5"),
+            ("PF\n-1 5\n-1\n", "has no width, height and scale"),
+            ("PF\n1 2\n-1\n", "has 12 bytes of numbers, and 1 x 2 pixels take 24"),
+            ("Pf\n1 3\n-1\n", "has one channel: three are needed"),
+            ("\u{89}PNG", "this is no PFM picture: the file is a PNG picture"),
+        ] {
+            assert!(said(head).contains(message), "{head}: {}", said(head));
+        }
+    }
+
+    /// The first byte of the numbers is that of a space.
+    #[test]
+    fn a_pfm_with_other_ends_of_lines_is_read() {
+        let data: Vec<u8> = [10.0_f32, f32::from_le_bytes(*b"\r\n\r\n"), 3.0].map(f32::to_le_bytes).concat();
+        for head in ["PF\n1 1\n-1.0\n", "PF\r\n1 1\r\n-1.0\r\n", "PF 1\n1 -1.0\r", "PF\n1  1\n-1\n"] {
+            let read = parse_pfm(&[head.as_bytes(), &data].concat()).unwrap();
+            assert_eq!(read.numbers[0], 10.0, "{head:?}");
         }
     }
 }

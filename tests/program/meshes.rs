@@ -252,7 +252,7 @@ fn what_is_no_mesh_is_named() {
         (b"bunny_1k.OBJ\n", "only a path, and seems to be a symbolic link"),
         (b"../my models/bunny.obj", "only a path, and seems to be a symbolic link"),
         (b"..\\shared\\mesh", "only a path, and seems to be a symbolic link"),
-        (SCENE.as_bytes(), "a scene, not a mesh"),
+        (SCENE.as_bytes(), "a scene"),
         (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nf 1 2 x\n", "the file is binary"),
         (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nl \x01\x02\np 1\n\x03", "the file is binary"),
         (b"\x01\x02\x03\x04\x05\xf0\xf1\x06\x07\nf\n\x03\x04", "the file is binary"),

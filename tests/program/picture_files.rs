@@ -52,6 +52,7 @@ fn a_picture_that_claims_too_much_is_refused_with_both_numbers() {
     }
     for (width, height, expected) in [
         (65536, 65536, "this picture claims 65536 x 65536 pixels; the limit is 268435456 in all"),
+        (1 << 31, 1 << 31, "this picture claims 2147483648 x 2147483648 pixels; the limit is 268435456 in all"),
         (
             16384,
             16384,
@@ -108,6 +109,68 @@ fn a_huge_colour_profile_is_skipped() {
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
 }
 
+/// Texts of 30 MB beside a picture of 63 pixels: they are in the file, so they may take memory.
+#[test]
+fn a_huge_text_does_no_harm() {
+    let folder = Folder::new();
+    let plain = png();
+    folder.write("a.png", &plain);
+    let mut text = b"Comment\0".to_vec();
+    text.resize(30_000_000, b'y');
+    folder.write("b.png", [&plain[..8 + 25], &chunk(b"tEXt", &text), &plain[8 + 25..]].concat());
+    let run = folder.a2("-compare a.png b.png -tolerance 0 0");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+}
+
+#[test]
+fn what_a_file_seems_to_be_is_named() {
+    let folder = Folder::new();
+    folder.write("right.png", png());
+    let tga = [&[0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0, 8, 0, 24, 0][..], &[7; 192]].concat();
+    let without_returns: Vec<u8> = png().into_iter().filter(|&byte| byte != b'\r').collect();
+    let decoded_as_text = String::from_utf8_lossy(&png()).into_owned();
+    let kinds: [(&[u8], &str); 23] = [
+        (b"", "empty"),
+        (b"<!DOCTYPE html><html>404", "an HTML page"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n", "a Git LFS pointer"),
+        (b"\x1f\x8b\x08\0\0\0\0\0", "compressed with gzip"),
+        (b"PK\x03\x04\x14\0", "a ZIP archive"),
+        (b"%PDF-1.7\n", "a PDF document"),
+        (b"\0\0\0\x0cjP  \r\n\x87\n", "a JPEG 2000 picture"),
+        (b"\0\0\0\x18ftypheic\0\0\0\0", "an HEIC picture"),
+        (b"\0\0\0\x18ftypavif\0\0\0\0", "an AVIF picture"),
+        (b"RIFF\x10\0\0\0WEBPVP8 ", "a WebP picture"),
+        (b"8BPS\0\x01\0\0", "a Photoshop picture"),
+        (b"\0\0\x01\0\x01\0\x10\x10", "an ICO picture"),
+        (b"\x76\x2f\x31\x01\x02\0\0\0", "an OpenEXR picture"),
+        (b"II*\0\x08\0\0\0", "a TIFF picture"),
+        (b"<?xml version=\"1.0\"?>\n<!-- drawn -->\n<svg width=\"8\"/>", "an SVG drawing"),
+        (b"<svg xmlns=\"http://www.w3.org/2000/svg\"/>", "an SVG drawing"),
+        (b"PF\n8 8\n-1.0\n", "a PFM picture"),
+        (b"P6\n8 8\n255\n", "a PPM picture"),
+        (&tga, "a TGA picture"),
+        (&without_returns, "a PNG picture whose first bytes have changed"),
+        (decoded_as_text.as_bytes(), "a PNG picture whose first bytes have changed"),
+        (b"GIF89a", "a GIF picture"),
+        (b"../day/left.png", "only a path, and seems to be a symbolic link that was stored as text"),
+    ];
+    for (bytes, what) in kinds {
+        folder.write("left.png", bytes);
+        let run = fails(&folder, "-compare left.png right.png");
+        let expected = format!("left.png: this is no PNG picture: the file is {what}");
+        assert!(run.stderr.contains(&expected), "{what}: {}", run.stderr);
+    }
+    folder.write("left.png", b"\x01\x02\x03");
+    let run = fails(&folder, "-compare left.png right.png");
+    assert!(run.stderr.contains("this is no PNG picture: it does not begin like one"), "{}", run.stderr);
+    for (name, kind) in [("left.pfm", "PFM"), ("left.exr", "EXR")] {
+        folder.write(name, png());
+        let run = fails(&folder, &format!("-compare {name} right.png"));
+        let expected = format!("{name}: this is no {kind} picture: the file is a PNG picture");
+        assert!(run.stderr.contains(&expected) || kind == "EXR" && !cfg!(feature = "exr"), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn a_cube_map_that_cannot_be_opened_is_named_at_its_place() {
     let folder = Folder::new();
@@ -125,9 +188,13 @@ fn a_cube_map_that_cannot_be_opened_is_named_at_its_place() {
 
     let jpeg = b"\xff\xd8\xff\xe0\0\x10JFIF\0\x01\x01\0\0\x01\0\x01\0\0";
     folder.write("map/right.png", jpeg);
-    assert!(message(fails(&folder, run)).contains("right.png': this is a JPEG picture, not a PNG"));
+    assert!(
+        message(fails(&folder, run)).contains("right.png': this is no PNG picture: the file is a JPEG picture")
+    );
     folder.write("map/right.png", b"BM\x46\0\0\0\0\0\0\0\x36\0\0\0");
-    assert!(message(fails(&folder, run)).contains("right.png': this is a BMP picture, not a PNG"));
+    assert!(
+        message(fails(&folder, run)).contains("right.png': this is no PNG picture: the file is a BMP picture")
+    );
 
     std::fs::remove_file(folder.path("map/right.png")).unwrap();
     assert!(message(fails(&folder, run)).contains("right.png': cannot read the picture: "));
@@ -142,7 +209,7 @@ fn a_device_is_no_picture() {
     let folder = Folder::new();
     folder.write("small.png", png());
     let run = fails(&folder, "-compare /dev/zero small.png");
-    assert!(run.stderr.contains("/dev/zero: cannot read this picture"), "{}", run.stderr);
+    assert!(run.stderr.contains("/dev/zero: this is no PNG picture"), "{}", run.stderr);
 }
 
 /// A pipe has no size, and cannot be read twice.

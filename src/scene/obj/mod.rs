@@ -21,6 +21,7 @@ mod words;
 pub use lines::triangle_lines;
 
 use crate::error::{Error, SourceText, Span};
+use crate::file_kind;
 use crate::objects::Mesh;
 use clean::Clean;
 use statements::{Kind, Statements};
@@ -151,11 +152,11 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
         return Err(Error::file(path, format!("this is no OBJ mesh: the file is {what}")));
     }
     let clean = match Clean::new(&source) {
-        Err(_) if foreign::is_binary(&source.text) => return Err(no_mesh(&source)),
+        Err(_) if file_kind::is_binary(&source.text) => return Err(no_mesh(&source)),
         clean => clean?,
     };
     let degenerate = clean.left_out.degenerate.count;
-    if clean.vertices == 0 && (degenerate == 0 || foreign::is_binary(&source.text)) {
+    if clean.vertices == 0 && (degenerate == 0 || file_kind::is_binary(&source.text)) {
         return Err(no_mesh(&source));
     }
     let warnings = clean.warnings(&source);
@@ -166,7 +167,7 @@ pub(super) fn parse_any_mesh(path: &Path, bytes: &[u8]) -> Result<ObjFile, Error
 
 /// The error for a file without a vertex.
 fn no_mesh(source: &Arc<SourceText>) -> Error {
-    if foreign::is_binary(&source.text) {
+    if file_kind::is_binary(&source.text) {
         return Error::file(&source.path, "this is no OBJ mesh: the file is binary");
     }
     let place_of = |kind| {
