@@ -28,7 +28,7 @@ pub fn check(description: &Description, plan: &Plan, options: &Options) -> Resul
     let Compiled { scene, mesh_files, remarks, .. } = compile(description, plan, &mut budget)?;
     if let Some(cube_map) = &scene.background.cube_map {
         cube_map.decode(&AXES);
-        cube_map.check_decoded_faces()?;
+        scene.background.decoded_faces()?;
     }
     remarks.lines(options.quiet).for_each(|line| say(&line));
     let mut text = format!(

@@ -7,6 +7,10 @@ use std::path::{Path, PathBuf};
 /// Most names of a folder that a message lists.
 const MOST_NAMES: usize = 8;
 
+/// What people set around names in place of quotes.
+const FOREIGN_QUOTES: [char; 10] =
+    ['\u{201c}', '\u{201d}', '\u{201e}', '\u{2018}', '\u{2019}', '\u{ab}', '\u{bb}', '`', '<', '>'];
+
 /// What there is for a name.
 #[derive(Debug, PartialEq)]
 pub enum FilePath {
@@ -44,11 +48,15 @@ fn respelt(folder: &Path, name: &str) -> FilePath {
             continue;
         }
         let names = names_in(&here);
-        if let Some(same) = names.iter().find(|name| name.to_lowercase() == part.to_lowercase()) {
+        let lower = part.to_lowercase();
+        let is_same = |name: &&String| name.to_lowercase() == lower && here.join(name).exists();
+        if let Some(same) = names.iter().find(is_same) {
             found.push(same);
             continue;
         }
-        let Some(similar) = probably_meant(part, names.iter().map(String::as_str)) else {
+        // A link of this very name leads nowhere.
+        let others = names.iter().map(String::as_str).filter(|name| *name != part);
+        let Some(similar) = probably_meant(part, others) else {
             return FilePath::AsWritten;
         };
         found.push(similar);
@@ -61,6 +69,18 @@ fn respelt(folder: &Path, name: &str) -> FilePath {
 /// Says what there is in place of the file or folder `name` in `folder`, which is missing: one that may be meant, or
 /// those of its kind beside it.
 pub fn what_is_there(folder: &Path, name: &str, kind: Kind) -> String {
+    let whole = folder.join(name);
+    if let Some(link) = whole.ancestors().find(|path| path.is_symlink() && !path.exists())
+        && let Ok(target) = link.read_link()
+    {
+        return format!("'{}' is a link to '{}', which is not there", written(link), written(&target));
+    }
+    let bare = without_foreign_quotes(name);
+    if bare != name {
+        let signs: Vec<String> =
+            name.chars().filter(|c| FOREIGN_QUOTES.contains(c)).map(|c| format!("'{c}'")).collect();
+        return format!("{} would be part of the name: write \"{bare}\"", signs.join(" and "));
+    }
     if let FilePath::Similar(similar) | FilePath::Respelt(similar) = find(folder, name) {
         return format!("did you mean '{similar}'?");
     }
@@ -84,6 +104,12 @@ pub fn what_is_there(folder: &Path, name: &str, kind: Kind) -> String {
         (true, Kind::File, None) => format!("{shown} holds no file without an extension"),
         (false, ..) => format!("{shown} holds {}{others}", like[..like.len() - rest].join(", ")),
     }
+}
+
+/// Returns a name without the signs around it that only look like quotes, and with spaces as they are: `my\ mesh.obj` is how
+/// shells have them.
+pub fn without_foreign_quotes(name: &str) -> String {
+    name.trim_matches(FOREIGN_QUOTES).replace("\\ ", " ")
 }
 
 fn written(path: &Path) -> String {
@@ -126,5 +152,24 @@ mod tests {
         ] {
             assert_eq!(find(folder.path(), name), expected, "{name}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_that_lead_nowhere_and_foreign_quotes_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("p.obj"), "").unwrap();
+        for link in ["dangling.obj", "Other.obj"] {
+            std::os::unix::fs::symlink("gone.obj", folder.path().join(link)).unwrap();
+        }
+        let said = |name: &str| what_is_there(folder.path(), name, Kind::File);
+        assert!(said("dangling.obj").ends_with("dangling.obj' is a link to 'gone.obj', which is not there"));
+        assert!(said("dangling.obj/p.obj").ends_with("dangling.obj' is a link to 'gone.obj', which is not there"));
+        assert_eq!(find(folder.path(), "other.OBJ"), FilePath::Similar("Other.obj".to_owned()));
+        assert_eq!(
+            said("\u{201c}p.obj\u{201d}"),
+            "'\u{201c}' and '\u{201d}' would be part of the name: write \"p.obj\""
+        );
+        assert_eq!(said("<p.obj>"), "'<' and '>' would be part of the name: write \"p.obj\"");
     }
 }

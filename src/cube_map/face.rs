@@ -1,6 +1,8 @@
 //! [`Face`]: one side of a cube map, decoded when the first ray reaches it.
 
+use super::named;
 use super::spot::{PADDING, Spot};
+use crate::file_path::{self, FilePath, Kind};
 use crate::picture_file::{self, PictureFile};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -20,11 +22,19 @@ pub(super) struct Face {
     pub texels: OnceLock<Result<Vec<u8>, String>>,
 }
 
+/// Returns the path of the picture of one side in a folder, also where its name has other capitals.
+pub(super) fn path_of(folder: &Path, name: &str) -> PathBuf {
+    let name = format!("{name}.png");
+    match file_path::find(folder, &name) {
+        FilePath::Respelt(found) => folder.join(found),
+        _ => folder.join(name),
+    }
+}
+
 impl Face {
     /// Opens the picture of one side in a folder. Reads only its size.
     pub fn open(folder: &Path, name: &str) -> Result<Self, String> {
-        let path = folder.join(format!("{name}.png"));
-        let other = ["jpg", "jpeg", "bmp"].map(|extension| path.with_extension(extension));
+        let path = path_of(folder, name);
         match PictureFile::open(&path) {
             Ok(picture) => Ok(Self {
                 width: picture.width as i32,
@@ -34,10 +44,15 @@ impl Face {
                 texels: OnceLock::new(),
                 path,
             }),
-            Err(message) => Err(match other.iter().find(|other| !path.exists() && other.exists()) {
-                Some(other) => format!("cube map face '{}': a face must be a PNG picture", other.display()),
-                None => format!("cube map face '{}': {message}", path.display()),
-            }),
+            Err(message) if path.exists() => Err(named(&path, &message)),
+            Err(message) => {
+                let other = ["jpg", "jpeg", "bmp", "tga"].map(|extension| path.with_extension(extension));
+                if let Some(other) = other.iter().find(|other| other.exists()) {
+                    return Err(named(other, "a face must be a PNG picture"));
+                }
+                let there = file_path::what_is_there(folder, &format!("{name}.png"), Kind::File);
+                Err(named(&path, &format!("{message}; {there}")))
+            }
         }
     }
 

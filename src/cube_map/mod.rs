@@ -5,7 +5,6 @@ mod spot;
 
 pub(crate) use spot::{Place, Spot, Texels};
 
-use crate::error::Error;
 use face::Face;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -20,9 +19,14 @@ pub struct CubeMap {
     faces: [Face; 6],
 }
 
-/// Returns the paths of the six pictures in a folder.
+/// Returns the paths of the six pictures in a folder, also of those that are spelt otherwise.
 pub fn face_paths(folder: &Path) -> [PathBuf; 6] {
-    FACE_NAMES.map(|name| folder.join(format!("{name}.png")))
+    FACE_NAMES.map(|name| face::path_of(folder, name))
+}
+
+/// Says which face a message is about.
+fn named(face: &Path, message: &str) -> String {
+    format!("cube map face '{}': {message}", face.display())
 }
 
 impl CubeMap {
@@ -89,17 +93,16 @@ impl CubeMap {
         self.faces.iter().filter(|face| face.texels.get().is_some() || face.upper.get().is_some()).count()
     }
 
-    /// Checks that the faces that rays reached could be decoded. A face that could not is black.
-    ///
-    /// # Errors
-    /// [`Error::File`] for the first face that could not be decoded.
-    pub fn check_decoded_faces(&self) -> Result<(), Error> {
-        for face in &self.faces {
-            if let Some(Err(message)) = face.texels.get() {
-                return Err(Error::file(&face.path, message));
-            }
-        }
-        Ok(())
+    /// Returns the message about the first face that rays reached and that could not be decoded. Such a face is black.
+    pub fn broken_face(&self) -> Option<String> {
+        self.faces.iter().find_map(|face| Some(named(&face.path, face.texels.get()?.as_ref().err()?)))
+    }
+
+    /// Returns the files that were found under another spelling than theirs, each with that one.
+    pub fn respelt_files(&self) -> impl Iterator<Item = (&Path, String)> {
+        let name = |index: usize| format!("{}.png", FACE_NAMES[index]);
+        let named = self.faces.iter().enumerate().map(move |(index, face)| (face.path.as_path(), name(index)));
+        named.filter(|(path, name)| path.file_name().is_some_and(|found| found != name.as_str()))
     }
 }
 

@@ -69,6 +69,8 @@ fn compile_as_far_as_right(
         }
         _ => None,
     };
+    let cube_map_name = description.background.cube_map.as_ref().filter(|_| cube_map.is_some());
+    let cube_map_name = cube_map_name.map(|name| source.excerpt(name.span));
     let mut flattened = Flattened {
         loaded: LoadedMeshes::new(source, folder, plan, budget),
         objects: Vec::new(),
@@ -99,7 +101,7 @@ fn compile_as_far_as_right(
         camera,
         lights,
         ambient_light,
-        background: Background { color: description.background.color, cube_map },
+        background: Background { color: description.background.color, cube_map, cube_map_name },
         throughput_never_grows: materials.iter().all(|material| material.specular.max_abs() <= 1.0),
         materials,
         geometry,

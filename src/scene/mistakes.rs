@@ -3,7 +3,7 @@
 use super::camera::camera;
 use super::named_files::{cube_map, unreadable};
 use super::transforms::composed;
-use crate::error::{Error, Remarks};
+use crate::error::{Error, MOST_SHOWN, Remarks};
 use crate::file_path::{self, FilePath};
 use crate::scene_file::{Description, LeafShape, Node, Parsed};
 use std::path::Path;
@@ -28,20 +28,31 @@ pub(super) fn with_other_mistakes(mut mistakes: Vec<Error>, description: &Descri
     let mut others = Vec::from_iter(camera(description).err());
     let map = description.background.cube_map.as_ref();
     others.extend(map.and_then(|name| cube_map(source, folder, name, &mut Remarks::default()).err()));
-    add_mistakes_below(&description.root, description, folder, &mut others);
+    // Some of these may be known.
+    let most = others.len() + mistakes.len() + MOST_SHOWN;
+    add_mistakes_below(&description.root, description, folder, most, &mut others);
     let known: Vec<String> = mistakes.iter().map(Error::to_string).collect();
     mistakes.extend(others.into_iter().filter(|other| !known.contains(&other.to_string())));
     Error::all(mistakes)
 }
 
-fn add_mistakes_below(node: &Node, description: &Description, folder: &Path, mistakes: &mut Vec<Error>) {
+/// Adds the mistakes of a part of the tree, in the order of their places, as far as they can be among the first ones.
+fn add_mistakes_below(
+    node: &Node,
+    description: &Description,
+    folder: &Path,
+    most: usize,
+    mistakes: &mut Vec<Error>,
+) {
     match node {
+        // To say what is meant, folders are read.
+        _ if mistakes.len() >= most => {}
         Node::Group(members) => {
-            members.iter().for_each(|member| add_mistakes_below(member, description, folder, mistakes));
+            members.iter().for_each(|member| add_mistakes_below(member, description, folder, most, mistakes));
         }
         Node::Transform { steps, child } => {
             mistakes.extend(composed(&description.source, steps).err());
-            add_mistakes_below(child, description, folder, mistakes);
+            add_mistakes_below(child, description, folder, most, mistakes);
         }
         Node::Leaf(leaf) => {
             let LeafShape::Mesh(name) = &leaf.shape else { return };

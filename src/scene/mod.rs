@@ -33,7 +33,7 @@ pub use tally::{ObjectCounts, TestCounts};
 
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;
-use crate::error::Error;
+use crate::error::{Error, Excerpt};
 use crate::light::Light;
 use crate::material::Material;
 use vecmath::Vector3;
@@ -43,6 +43,8 @@ use vecmath::Vector3;
 pub struct Background {
     pub color: Vector3,
     pub cube_map: Option<CubeMap>,
+    /// The name of the cube map in the scene.
+    pub cube_map_name: Option<Excerpt>,
 }
 
 impl Background {
@@ -54,11 +56,14 @@ impl Background {
     /// Returns the number of cube map faces that were decoded because rays reached them.
     ///
     /// # Errors
-    /// [`Error::File`] for the first face that could not be decoded.
+    /// [`Error::Source`] at the name of the cube map, for the first face that could not be decoded.
     pub fn decoded_faces(&self) -> Result<usize, Error> {
         let Some(cube_map) = &self.cube_map else { return Ok(0) };
-        cube_map.check_decoded_faces()?;
-        Ok(cube_map.decoded_faces())
+        match (cube_map.broken_face(), &self.cube_map_name) {
+            (None, _) => Ok(cube_map.decoded_faces()),
+            (Some(message), Some(name)) => Err(name.error(message)),
+            (Some(message), None) => Err(Error::Refused(message)),
+        }
     }
 }
 

@@ -19,7 +19,14 @@ pub(super) fn cube_map(
     remarks: &mut Remarks,
 ) -> Result<CubeMap, Error> {
     let path = found(source, folder, name, remarks);
-    CubeMap::open(&path).map_err(|message| {
+    let opened = CubeMap::open(&path).inspect(|map| {
+        let place = || source.location(name.span);
+        let hints = map
+            .respelt_files()
+            .map(|(found, name)| format!("{}: there is no '{name}': '{}' is read", place(), found.display()));
+        remarks.hints.extend(hints);
+    });
+    opened.map_err(|message| {
         let error = source.error(name.span, message);
         if path.exists() {
             error

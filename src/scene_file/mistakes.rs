@@ -5,6 +5,7 @@ use super::lexer::{Lexer, Token, is_quote};
 use super::typing::{cleaned, foreign_character, hexadecimal_color, in_ascii, is_number, numbers_in, punctuated};
 use super::words::{BLOCKS, belongs_into, equivalent};
 use crate::error::{Error, MOST_SHOWN, Span, counted, cut_short, probably_meant};
+use crate::file_path::without_foreign_quotes;
 
 /// The longest name in bytes that a hint shows.
 const LONGEST_NAME: usize = 200;
@@ -265,7 +266,7 @@ impl<'a> Fields<'a> {
     }
 
     /// The name that was probably meant where `token` stands right behind a name without quotes.
-    fn split_name(&self, token: Token<'a>) -> Option<&'a str> {
+    fn split_name(&self, token: Token<'a>) -> Option<String> {
         let text = &self.source.text;
         let (start, end) = (self.last_name.start, self.last_name.end);
         let between = text.get(end..token.span.start)?;
@@ -274,7 +275,7 @@ impl<'a> Fields<'a> {
         }
         let rest = &text[start..];
         let whole = rest[..rest.find(['}', '\n']).unwrap_or(rest.len())].trim_end();
-        (whole.len() <= LONGEST_NAME).then_some(whole)
+        (whole.len() <= LONGEST_NAME).then(|| without_foreign_quotes(whole))
     }
 }
 
