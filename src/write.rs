@@ -1,6 +1,6 @@
 //! Writes the results of a run: pictures and tables to files, messages to standard error.
 
-use crate::error::Error;
+use crate::error::{Error, shown_number};
 use crate::film::{self, BandWriter as _, Film, PictureWriter, Plane};
 use crate::input::is_standard;
 use crate::measure::{self, Report};
@@ -122,6 +122,13 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
             0 => "depths: nothing is hit\n".to_owned(),
             _ => format!("depths: {min} to {max} (-depth {min} {max} gives the same picture)\n"),
         });
+    }
+    let read = report.phases.before_rendering().as_secs_f64();
+    if let Some(limit) = measure.time_limit.filter(|limit| read > *limit) {
+        say(&format!(
+            "warning: reading the scene and its files took {read:.2} s, which is more than -time-limit {}\n",
+            shown_number(limit)
+        ));
     }
     let missed = measure.target_error.filter(|&target| !report.is_below(target));
     if let Some(target) = missed {

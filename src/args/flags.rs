@@ -83,7 +83,12 @@ const QUALITY: &[Flag] = &[
         "16 random samples a pixel, not one in its corner",
         "One lies in each cell of a 4 x 4 grid.",
     ),
-    flag("samples", &["N"], "As many random samples a pixel [16]", "N is at most 65536. It implies -jitter."),
+    flag(
+        "samples",
+        &["N"],
+        "As many random samples a pixel [16]",
+        "N is at most 65536, and with -time-limit the most that are taken. It implies -jitter.",
+    ),
     flag(
         "sampler",
         &["NAME"],
@@ -142,7 +147,7 @@ const MEASURING: &[Flag] = &[
         "time-limit",
         &["SECONDS"],
         "Stop in time with the best picture so far",
-        "It implies -jitter, and goes with -target-error.",
+        "Without -samples and -target-error all of the time is used. It implies -jitter.",
     ),
     flag(
         "pixel",

@@ -27,6 +27,9 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
     };
     let adaptive = [("target-error", options.target_error), ("time-limit", options.time_limit)];
     match adaptive.into_iter().find(|flag| flag.1.is_some()) {
+        Some(("target-error", _)) if options.samples.is_some() => {
+            Err(usage_error("samples", "does not go with -target-error, which chooses the samples"))
+        }
         Some((flag, _)) if options.convergence.is_some() => {
             Err(usage_error("convergence", format!("does not go with -{flag}")))
         }

@@ -9,8 +9,8 @@ use crate::options::{MAX_SIDE, Options, PixelPlace};
 pub(super) fn places(typed: &Typed) -> Result<Vec<PixelPlace>, Error> {
     let place = |index: usize| {
         let is_whole = typed.values("pixel")[index].to_str().is_some_and(|text| text.parse::<u32>().is_ok());
-        let number =
-            typed.number("pixel", index, "a number from 0", |n: &f64| (0.0..f64::from(MAX_SIDE)).contains(n));
+        let expected = format!("two numbers from 0 to {}", MAX_SIDE - 1);
+        let number = typed.number("pixel", index, &expected, |n: &f64| (0.0..f64::from(MAX_SIDE)).contains(n));
         number.map(|number| number.unwrap_or_default() + if is_whole { 0.5 } else { 0.0 })
     };
     let count = typed.values("pixel").len() / 2;

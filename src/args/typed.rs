@@ -6,22 +6,25 @@ use crate::input::is_standard;
 use crate::options::has_extension;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// The name of the argument for a scene without `-input`.
 const SCENE: &str = "SCENE";
 
-/// Turns `-input` into `--input`, as clap expects it. Values (numbers, words, a single dash) stay as they are.
+/// Stands before a value that begins with a dash and a digit, so that clap does not take it for flags.
+const VALUE: char = '\u{1}';
+
+/// Turns `-input` into `--input`, as clap expects it, and marks what is not a flag though it begins with a dash: no flag
+/// begins with a digit or a full stop. Words and a single dash stay as they are.
 pub(super) fn with_two_dashes(typed: OsString) -> OsString {
     let Some(text) = typed.to_str() else {
         return typed;
     };
     match text.strip_prefix('-') {
-        // clap does not take all of these for numbers: -.5, -1e-3.
         Some(number) if number.starts_with(|c: char| c == '.' || c.is_ascii_digit()) => {
-            number.parse::<f64>().map_or(typed, |number| format!("-{number}").into())
+            format!("{VALUE}{text}").into()
         }
         Some("V") => "--version".into(),
         Some(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) => format!("--{name}").into(),
@@ -33,8 +36,11 @@ pub(super) fn with_two_dashes(typed: OsString) -> OsString {
 /// flag is given twice, the last one counts.
 pub(super) fn command(argv: &[OsString]) -> clap::Command {
     let is_typed = |flag: &&Flag| {
-        let name = |word: &OsString| Some(word.to_str()?.strip_prefix("--")?.split('=').next() == Some(flag.name));
-        argv.iter().any(|word| name(word) == Some(true))
+        let is_name = |word: &OsString| {
+            let rest = word.to_str()?.strip_prefix("--")?.strip_prefix(flag.name)?;
+            Some(rest.is_empty() || rest.starts_with('='))
+        };
+        argv.iter().any(|word| is_name(word) == Some(true))
     };
     let arg = |flag: &Flag| {
         let arg = Arg::new(flag.name).long(flag.name);
@@ -49,7 +55,6 @@ pub(super) fn command(argv: &[OsString]) -> clap::Command {
             };
             arg.action(if flag.name == "pixel" { ArgAction::Append } else { ArgAction::Set })
                 .value_parser(clap::value_parser!(OsString))
-                .allow_negative_numbers(true)
         }
     };
     clap::Command::new("a2")
@@ -68,7 +73,7 @@ pub(super) fn explained(error: &clap::Error) -> String {
         Some(ContextValue::Strings(texts)) => texts.first().cloned(),
         _ => None,
     };
-    let word = context(ContextKind::InvalidArg).unwrap_or_default();
+    let word = context(ContextKind::InvalidArg).unwrap_or_default().replace(VALUE, "");
     let name = word.trim_start_matches('-').split([' ', '=']).next().unwrap_or_default();
     let name = name.trim_end_matches("...");
     let known = flags().find(|flag| flag.name == name);
@@ -82,7 +87,10 @@ pub(super) fn explained(error: &clap::Error) -> String {
         (ErrorKind::UnknownArgument, _) if word.starts_with('-') => {
             let meant = probably_meant(name, flags().map(|flag| flag.name));
             let hint = meant.map_or(String::new(), |flag| format!(" (did you mean -{flag}?)"));
-            format!("unknown flag -{name}{hint}")
+            // `--` is as good as `-`.
+            let shown = word.strip_prefix('-').filter(|word| word.starts_with('-')).unwrap_or(&word);
+            let shown = if shown.starts_with("--") { &word } else { shown };
+            format!("unknown flag {}{hint}", shown.split_once('=').map_or(shown, |(flag, _)| flag))
         }
         (ErrorKind::UnknownArgument, _) => format!("'{word}' belongs to no flag"),
         _ => error.to_string().trim_start_matches("error: ").trim_end().to_owned(),
@@ -91,6 +99,11 @@ pub(super) fn explained(error: &clap::Error) -> String {
 
 pub(super) fn usage_error(flag: &str, message: impl std::fmt::Display) -> Error {
     Error::Usage(format!("-{flag}: {message}"))
+}
+
+/// Returns a value without its mark.
+fn as_typed(value: &OsString) -> &OsStr {
+    value.to_str().and_then(|text| text.strip_prefix(VALUE)).map_or(value, OsStr::new)
 }
 
 /// The flags and values as typed.
@@ -103,8 +116,9 @@ impl Typed<'_> {
         is_known && self.0.value_source(flag) == Some(clap::parser::ValueSource::CommandLine)
     }
 
-    pub(super) fn values(&self, flag: &str) -> Vec<&OsString> {
-        self.0.try_get_many(flag).ok().flatten().map(Iterator::collect).unwrap_or_default()
+    pub(super) fn values(&self, flag: &str) -> Vec<&OsStr> {
+        let values = self.0.try_get_many::<OsString>(flag).ok().flatten();
+        values.map(|values| values.map(as_typed).collect()).unwrap_or_default()
     }
 
     pub(super) fn path(&self, flag: &str) -> Option<PathBuf> {

@@ -6,7 +6,7 @@ mod words;
 
 pub use remarks::Remarks;
 pub use source::{Excerpt, SourceError, SourceText, Span};
-pub use words::{counted, cut_short, probably_meant, visible};
+pub use words::{counted, cut_short, probably_meant, shown_number, visible};
 
 use annotate_snippets::Renderer;
 use std::fmt;

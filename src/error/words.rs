@@ -54,6 +54,14 @@ pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{plural}")
 }
 
+/// Returns a number as a person would write it: very large and very small ones with an exponent.
+pub fn shown_number(number: f64) -> String {
+    match number.abs() {
+        0.0 | 1e-6..1e15 => number.to_string(),
+        _ => format!("{number:e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +84,12 @@ mod tests {
     fn control_characters_are_seen() {
         assert_eq!(visible("\x1b[31ma\tb\n\x7f\u{9b}"), "␛[31ma\tb\n␡\u{fffd}");
         assert!(matches!(visible("été\n"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.0, -0.5, 123_456.75, 1e-320, -1e40, f64::INFINITY].map(shown_number);
+        assert_eq!(shown, ["0", "-0.5", "123456.75", "1e-320", "-1e40", "inf"]);
     }
 
     #[test]

@@ -95,6 +95,11 @@ impl Phases {
         Self { parse, load, build, render, filter, encode }
     }
 
+    /// Returns how long it took to read the scene and its files, and to build trees.
+    pub fn before_rendering(&self) -> Duration {
+        self.parse.wall + self.load.wall + self.build.wall
+    }
+
     pub fn named(&self) -> [(&'static str, Times); 6] {
         [
             ("parse", self.parse),

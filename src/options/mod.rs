@@ -104,6 +104,11 @@ impl Options {
         if self.jitter { self.measure.samples.unwrap_or(DEFAULT_SAMPLES) } else { 1 }
     }
 
+    /// Returns the most samples of a pixel of the picture that are taken before a time limit.
+    pub fn most_samples_a_pixel(&self) -> u32 {
+        self.measure.samples.unwrap_or(MAX_SAMPLES) * self.grid_pixels()
+    }
+
     /// Returns the number of pixels of the traced grid for each pixel of the picture.
     pub fn grid_pixels(&self) -> u32 {
         if self.filter { 9 } else { 1 }

@@ -14,7 +14,8 @@ pub struct MeasureOptions {
     pub sampler: SamplerKind,
     /// Whether the sampler was named. Otherwise `-convergence` compares all of them.
     pub sampler_is_given: bool,
-    /// Samples for each pixel of the traced grid with `-jitter`; `None`: [`DEFAULT_SAMPLES`].
+    /// Samples for each pixel of the traced grid with `-jitter`; `None`: [`DEFAULT_SAMPLES`], or with a time limit as many as
+    /// there is time for.
     pub samples: Option<u32>,
     /// PNG of the estimated error.
     pub error_map: Option<PathBuf>,

@@ -124,9 +124,9 @@ const SMALL: u64 = 1 << 14;
 const LATER_MARGIN: f64 = 0.9;
 
 impl Picture<'_> {
-    /// Takes as many samples in every pixel as without a time limit, or as many as there is time for.
+    /// Takes as many samples in every pixel as there is time for, or as were asked for.
     fn sample_evenly(&mut self) {
-        let goal = self.options.samples_a_pixel().next_power_of_two().max(2);
+        let goal = self.options.most_samples_a_pixel().next_power_of_two().max(2);
         let mut samples = 2;
         while self.pass(&Goal::Same(samples.min(goal))) && samples < goal {
             samples *= 2;

@@ -244,6 +244,27 @@ fn a_time_limit_is_used_and_kept() {
     assert_eq!(folder.picture("o.png").dimensions(), (60, 60));
 }
 
+#[test]
+fn without_samples_a_time_limit_is_used_up() {
+    let folder = Folder::new();
+    let scene = mirror_bunny();
+    let run = |flags: &str| report(&folder, &format!("{scene} -size 60 60 -time-limit 0.6 -output o.png {flags}"));
+    let mean = |report: &serde_json::Value| report["samples"]["per_pixel_mean"].as_f64().unwrap();
+    let sampled = run("");
+    assert!(mean(&sampled) > 16.0, "{}", mean(&sampled));
+    assert!(sampled["total"]["wall_seconds"].as_f64() > Some(0.3), "{}", sampled["total"]["wall_seconds"]);
+    assert_eq!(mean(&run("-samples 8")), 8.0);
+}
+
+#[test]
+fn a_time_limit_that_reading_exceeds_is_a_warning() {
+    let folder = Folder::new();
+    let run =
+        ends_with(3, &folder, &format!("{} -size 30 30 -time-limit 1e-7 -output o.png -quiet", mirror_bunny()));
+    let warning = "warning: reading the scene and its files took 0.";
+    assert!(run.stderr.contains(warning) && run.stderr.contains("more than -time-limit 1e-7\n"), "{}", run.stderr);
+}
+
 /// A large picture of numbers takes long to write, and no second to write 48 MB.
 #[test]
 fn a_time_limit_leaves_the_time_that_writing_takes() {

@@ -157,8 +157,8 @@ fn a_pixel_that_is_none_is_refused() {
     for (flags, part) in [
         ("-pixel 5 0", "5 0 lies beyond the picture, whose pixels are 0 0 to 4 4 (-size 5 5)"),
         ("-pixel 0 0 -pixel 0 7.5", "0 7 lies beyond"),
-        ("-pixel -1 0", "expected a number from 0, found '-1'"),
-        ("-pixel 0 nan", "expected a number from 0, found 'nan'"),
+        ("-pixel -1 0", "expected two numbers from 0 to 65535, found '-1'"),
+        ("-pixel 0 nan", "expected two numbers from 0 to 65535, found 'nan'"),
         ("-pixel 3", "-pixel needs 2 values: -pixel X Y"),
         ("-pixel 3 2 -output o.png -target-error 4", "does not go with -target-error"),
     ] {
