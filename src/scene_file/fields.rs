@@ -136,9 +136,10 @@ impl<'a> Fields<'a> {
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
             let token = self.next(|_| format!("a number for '{key}'"))?;
-            *number = match token.text.parse() {
-                Ok(value) if f64::is_finite(value) => value,
-                _ => return Err(self.no_number(token, key, index, N)),
+            let parsed = |text: &str| text.parse().ok().filter(|value| f64::is_finite(*value));
+            *number = match parsed(token.text).or_else(|| parsed(self.lexer.put_back_comment(token)?)) {
+                Some(value) => value,
+                None => return Err(self.no_number(token, key, index, N)),
             };
         }
         Ok(numbers)
@@ -169,9 +170,10 @@ impl<'a> Fields<'a> {
     /// Reads a whole number from 0 to 2^31 - 1.
     pub fn count(&mut self, key: &str) -> Result<u32, Error> {
         let token = self.word(key, "a whole number")?;
-        match token.text.parse::<u32>() {
-            Ok(value) if value <= i32::MAX as u32 => Ok(value),
-            _ => {
+        let parsed = |text: &str| text.parse::<u32>().ok().filter(|value| *value <= i32::MAX as u32);
+        match parsed(token.text).or_else(|| parsed(self.lexer.put_back_comment(token)?)) {
+            Some(value) => Ok(value),
+            None => {
                 self.lexer.put_back(token);
                 let found = cut_short(token.text);
                 let message = format!("expected a whole number from 0 to 2147483647 for '{key}', found '{found}'");

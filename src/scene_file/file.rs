@@ -40,15 +40,20 @@ pub fn parse_file(path: &Path) -> Result<Parsed, Error> {
 ///
 /// # Errors
 /// [`Error::Source`] for the first word with such bytes, [`Error::File`] for UTF-16.
-fn decoded(path: &Path, bytes: Vec<u8>) -> Result<String, Error> {
+fn decoded(path: &Path, mut bytes: Vec<u8>) -> Result<String, Error> {
+    if is_utf16(&bytes) {
+        return Err(Error::file(path, "this is UTF-16 text: save the file as UTF-8"));
+    }
+    // Some old programs end a text with these.
+    let is_end = |byte: &u8| matches!(byte, 0 | 0x1a) || byte.is_ascii_whitespace();
+    if let Some(0 | 0x1a) = bytes.iter().rev().find(|byte| !byte.is_ascii_whitespace()) {
+        bytes.truncate(bytes.iter().rposition(|byte| !is_end(byte)).map_or(0, |last| last + 1));
+    }
     let error = match String::from_utf8(bytes) {
         Ok(text) => return Ok(text),
         Err(error) => error,
     };
     let bytes = error.as_bytes();
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(Error::file(path, "this is UTF-16 text: save the file as UTF-8"));
-    }
     let text = String::from_utf8_lossy(bytes).into_owned();
     let broken = Lexer::new(&text).find(|word| word.text.contains(char::REPLACEMENT_CHARACTER));
     let Some(span) = broken.map(|word| word.span) else { return Ok(text) };
@@ -56,6 +61,16 @@ fn decoded(path: &Path, bytes: Vec<u8>) -> Result<String, Error> {
     let source = Arc::new(SourceText { path: path.to_owned(), text });
     let error = source.error(span, format!("this is {found}: save the file as UTF-8"));
     Err(error.with_note("only comments may have such characters"))
+}
+
+/// Returns whether bytes are UTF-16 text, also without the mark: every other byte is 0, because a scene is ASCII.
+fn is_utf16(bytes: &[u8]) -> bool {
+    const LOOKED_AT: usize = 64;
+    let start = &bytes[..bytes.len().min(LOOKED_AT)];
+    let (pairs, _) = start.as_chunks();
+    let zero_is_at = |side: usize| pairs.iter().all(|pair: &[u8; 2]| pair[side] == 0 && pair[1 - side] != 0);
+    let has_mark = start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff");
+    has_mark || pairs.len() > 1 && (zero_is_at(0) || zero_is_at(1))
 }
 
 /// Returns whether all bytes outside of ASCII are pairs as GBK has them.

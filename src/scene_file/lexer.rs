@@ -1,7 +1,8 @@
 //! Splits text into tokens: words and braces, each with its place.
 //!
 //! White space separates words; a brace is always a token by itself. A word that begins with `#` or `//` begins a
-//! comment, which ends with its line. (This is an extension: the starter's grammar has no comments.)
+//! comment, which ends with its line, and so do these signs behind a number. Names of files may hold them. (This is an
+//! extension: the starter's grammar has no comments.)
 
 use crate::error::Span;
 
@@ -32,6 +33,13 @@ impl<'a> Lexer<'a> {
     pub fn end(&self) -> Span {
         let end = self.text.trim_end().len();
         Span { start: end, end }
+    }
+
+    /// Goes back to the comment that begins within this token, if one does. Returns what stands before it.
+    pub fn put_back_comment(&mut self, token: Token<'a>) -> Option<&'a str> {
+        let word = before_comment(token.text)?;
+        self.at = token.span.start + word.len();
+        Some(word)
     }
 
     /// Goes back, so that this token comes next again.
@@ -95,6 +103,12 @@ fn is_blank(byte: u8) -> bool {
 
 fn is_brace(byte: u8) -> bool {
     matches!(byte, b'{' | b'}')
+}
+
+/// Returns what stands before the sign of a comment within a word.
+pub fn before_comment(word: &str) -> Option<&str> {
+    let end = word.find('#').into_iter().chain(word.find("//")).min()?;
+    Some(&word[..end])
 }
 
 /// Whether a character opens and closes a name.

@@ -1,8 +1,10 @@
 //! What is said about mistakes in a scene file, and how parsing goes on after one.
 
 use super::fields::{Fields, Key, is_key};
-use super::lexer::{Lexer, Token, is_quote};
-use super::typing::{cleaned, foreign_character, hexadecimal_color, in_ascii, is_number, numbers_in, punctuated};
+use super::lexer::{Lexer, Token, before_comment, is_quote};
+use super::typing::{
+    cleaned, foreign_character, hexadecimal_color, in_ascii, is_number, numbers_in, punctuated, with_decimal_point,
+};
 use super::words::{BLOCKS, belongs_into, equivalent};
 use crate::error::{Error, MOST_SHOWN, Span, counted, cut_short, probably_meant};
 use crate::file_path::without_foreign_quotes;
@@ -142,6 +144,11 @@ impl<'a> Fields<'a> {
         if let Some(error) = self.foreign(token) {
             return error;
         }
+        if let Some(word) = before_comment(token.text).filter(|word| known.clone().any(|known| known == *word)) {
+            let sign = if token.text[word.len()..].starts_with('#') { "#" } else { "//" };
+            let message = format!("a comment begins with a space before '{sign}': write '{word} {sign}'");
+            return self.error(token.span, message);
+        }
         if let Some(message) = self.one_too_many(token) {
             return self.error(token.span, message);
         }
@@ -178,6 +185,9 @@ impl<'a> Fields<'a> {
     /// Makes the error for a word in the place of a number: the one with this `index` of the `count` numbers of `key`.
     pub fn no_number(&mut self, token: Token<'a>, key: &str, index: usize, count: usize) -> Error {
         self.lexer.put_back(token);
+        if let Some(error) = self.decimal_commas(count - index) {
+            return error;
+        }
         if let Some(error) = self.mistyped(token) {
             let numbers = self.numbers_in_line(count - index);
             return numbers.and_then(|numbers| self.mistyped(numbers)).unwrap_or(error);
@@ -204,6 +214,21 @@ impl<'a> Fields<'a> {
             Err(_) => format!("expected a number for '{key}', found '{found}'"),
         };
         self.error(token.span, message)
+    }
+
+    /// Makes the error for `count` numbers with a comma in the place of a decimal point, in one line.
+    fn decimal_commas(&self, count: usize) -> Option<Error> {
+        let tokens: Vec<Token> = self.lexer.clone().take(count).collect();
+        let (first, last) = (tokens.first()?.span, tokens.last()?.span);
+        let text = self.source.text.get(first.start..last.end)?;
+        let right = tokens.iter().map(|token| with_decimal_point(token.text)).collect::<Option<Vec<_>>>()?;
+        if tokens.len() < count || text.contains('\n') || !text.contains(',') {
+            return None;
+        }
+        let span = Span { start: first.start, end: last.end };
+        let message =
+            format!("scenes have no commas: write '{}' instead of '{}'", right.join(" "), cut_short(text));
+        Some(self.error(span, message))
     }
 
     /// Makes the error for a colour as `#336699` between `key` and the word `next`.

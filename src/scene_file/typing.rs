@@ -120,6 +120,16 @@ pub(super) fn punctuated(word: &str, right: impl Fn(&str) -> bool) -> Option<Str
     })
 }
 
+/// Returns a number with a decimal point where it has a comma between two digits.
+pub(super) fn with_decimal_point(word: &str) -> Option<String> {
+    if let Some((whole, fraction)) = word.split_once(',') {
+        let is_between =
+            whole.ends_with(|c: char| c.is_ascii_digit()) && fraction.starts_with(|c: char| c.is_ascii_digit());
+        return Some(format!("{whole}.{fraction}")).filter(|number| is_between && is_number(number));
+    }
+    is_number(word).then(|| word.to_owned())
+}
+
 /// Returns whether a word is a finite number as scenes have it.
 pub(super) fn is_number(word: &str) -> bool {
     word.parse().is_ok_and(f64::is_finite)

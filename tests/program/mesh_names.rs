@@ -96,6 +96,22 @@ fn a_mesh_under_two_spellings_is_read_once() {
     }
 }
 
+#[test]
+fn what_stands_around_a_name_is_named() {
+    let folder = Folder::new();
+    folder.write("p.obj", KITE).write("my mesh.obj", KITE).write("other.obj", "");
+    for (name, cure) in [
+        ("\u{201c}p.obj\u{201d}", "would be part of the name: write \"p.obj\""),
+        ("<p.obj>", "'<' and '>' would be part of the name: write \"p.obj\""),
+        ("my\\ mesh.obj", "a name with spaces stands in quotes: \"my mesh.obj\""),
+        ("\u{201c}my mesh.obj\u{201d}", "a name with spaces stands in quotes: \"my mesh.obj\""),
+    ] {
+        folder.write("s.txt", SCENE.replace(TRIANGLE, &format!("TriangleMesh {{ obj_file {name} }}")));
+        let run = folder.a2("-input s.txt -output o.png");
+        assert!(run.exit_code == 1 && run.stderr.contains(cure), "{name}: {}", run.stderr);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn endless_files_end_at_the_limit() {

@@ -91,6 +91,13 @@ fn the_punctuation_of_other_formats_is_named() {
             "s.txt:7:12: scenes have no commas or parentheses: write '0 0 0' instead of '(0,0,0)'",
         ),
         ("radius 1", "radius 1;", "s.txt:8:12: scenes have no semicolons: write '1' instead of '1;'"),
+        ("radius 1", "radius 1,5", "s.txt:8:12: scenes have no commas: write '1.5' instead of '1,5'"),
+        (
+            "center 0 0 0",
+            "center 0,5 -1 1,25",
+            "s.txt:7:12: scenes have no commas: write '0.5 -1 1.25' instead of '0,5 -1 1,25'",
+        ),
+        ("center 0 0 0", "center 1,2,3", "s.txt:7:12: scenes have no commas: write '1 2 3' instead of '1,2,3'"),
         ("radius 1", "radius = 1", "s.txt:8:12: scenes have no equal signs: write '1' instead of '= 1'"),
         ("radius 1", "radius=1", "s.txt:8:5: scenes have no equal signs: write 'radius 1' instead of 'radius=1'"),
         ("radius 1", "radius: 1", "s.txt:8:5: scenes have no colons: write 'radius' instead of 'radius:'"),
@@ -98,6 +105,36 @@ fn the_punctuation_of_other_formats_is_named() {
         ("numObjects 1", "numObjects 1;", "s.txt:4:14: scenes have no semicolons"),
     ] {
         says(&broken(from, to), message, "");
+    }
+}
+
+#[test]
+fn a_comment_may_stand_right_behind_a_number() {
+    let folder = Folder::new();
+    let picture = |text: &str| {
+        folder.write("s.txt", text);
+        let run = folder.a2("s.txt -output o.png -size 9 9 -quiet");
+        assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""), "{text}");
+        folder.picture("o.png")
+    };
+    let plain = picture(&broken("radius 1", "radius 1"));
+    for (from, to) in [
+        ("radius 1", "radius 1#c"),
+        ("radius 1", "radius 1// c"),
+        ("center 0 0 0", "center 0 0#{\n0//}"),
+        ("numObjects 1", "numObjects 1#one"),
+        ("MaterialIndex 0", "MaterialIndex 0// red"),
+    ] {
+        assert!(picture(&broken(from, to)) == plain, "{to}");
+    }
+    for (from, to, message) in [
+        ("radius 1", "radius 1x#c", "s.txt:8:12: expected a number for 'radius', found '1x#c'"),
+        ("radius 1", "radius 1/2", "s.txt:8:12: expected a number for 'radius', found '1/2'"),
+        ("radius 1", "radius#c\n1", "s.txt:8:5: a comment begins with a space before '#': write 'radius #'"),
+        ("Group {\n", "Group// all\n{", "s.txt:3:1: a comment begins with a space before '//': write 'Group //'"),
+    ] {
+        let said = refusal(&broken(from, to));
+        assert!(said.starts_with(message), "{said}");
     }
 }
 
@@ -237,6 +274,20 @@ fn text_in_another_encoding_is_named_unless_it_is_a_comment() {
     );
     let run = folder.a2("-input s.txt -output o.png -size 2 2");
     assert_eq!(run.stderr, "error: s.txt: this is UTF-16 text: save the file as UTF-8\n");
+    for bytes_of in [u16::to_le_bytes, u16::to_be_bytes] {
+        let without_mark: Vec<u8> = broken("radius 1", "radius 1").encode_utf16().flat_map(bytes_of).collect();
+        folder.write("s.txt", without_mark);
+        let run = folder.a2("-input s.txt -output o.png");
+        assert_eq!(run.stderr, "error: s.txt: this is UTF-16 text: save the file as UTF-8\n");
+    }
+    // What old programs put at the end of a file.
+    for end in ["\0", "\x1a", "\n\0\0 \x1a\r\n"] {
+        folder.write("s.txt", broken("radius 1", "radius 1") + end);
+        let run = folder.a2("-input s.txt -output o.png -size 2 2 -quiet");
+        assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""), "{end:?}");
+    }
+    folder.write("s.txt", "\0\0");
+    assert!(folder.a2("-input s.txt -output o.png").stderr.contains("the scene has no 'PerspectiveCamera' block"));
 }
 
 #[test]

@@ -176,5 +176,11 @@ impl Clean {
 }
 
 fn not_finite(source: &Arc<SourceText>, word: &str, span: Span) -> Error {
-    source.error(span, format!("expected a finite coordinate, found '{}'", cut_short(word)))
+    let found = cut_short(word);
+    match word.parse::<f64>() {
+        Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => {
+            source.error(span, format!("the coordinate '{found}' is too large (at most 3.4e38)"))
+        }
+        _ => source.error(span, format!("expected a finite coordinate, found '{found}'")),
+    }
 }

@@ -68,7 +68,7 @@ fn mistakes_are_found_with_line_and_column() {
         ("v 0 0\n", "m.obj:1:1: a vertex needs three coordinates, this one has 2"),
         ("v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", "m.obj:2:5: expected a finite coordinate, found 'nan'"),
         ("v inf 0 0\nv 1 nan 0\nv 0 1 0\nf 3 -2 3\n", "m.obj:2:5: expected a finite coordinate, found 'nan'"),
-        ("v 0 0 1e39\nf 1 1 1\n", "m.obj:1:7: expected a finite coordinate, found '1e39'"),
+        ("v 0 0 1e39\nf 1 1 1\n", "m.obj:1:7: the coordinate '1e39' is too large (at most 3.4e38)"),
         ("v 3.1+e2 0 0\n", "m.obj:1:3: expected a finite coordinate, found '3.1+e2'"),
         ("v 0 0 0\nf 1 1 7\n", "m.obj:2:7: there is no vertex 7: the file has 1"),
         ("f 3 3 2\nv 0 0 0\nf 1 9 9\n", "m.obj:1:3: there is no vertex 3: the file has 1"),
