@@ -3,6 +3,7 @@
 //! Warnings say that a picture may be wrong, and are always shown. What is hinted at here is right by the rules, and
 //! often meant. Each kind of hint is given once.
 
+use crate::error::shown_number;
 use crate::material::Material;
 use crate::options::Options;
 use crate::plan::{Plan, materials_in_use};
@@ -18,11 +19,15 @@ pub fn about_scene(description: &Description, plan: &Plan, options: &Options) ->
     let hints = [
         mirror_without_bounces(description, &materials, plan, options),
         colors_out_of_range(description, &materials),
-        options.depth.as_ref().filter(|depth| !depth.is_auto && depth.min == depth.max).map(|depth| {
-            format!("the range of -depth {} {} is empty, so that its picture is black", depth.min, depth.max)
-        }),
     ];
     hints.into_iter().flatten().collect()
+}
+
+/// Returns the warning about a range of depths in which everything is black.
+pub fn about_depths(options: &Options) -> Option<String> {
+    let empty = options.depth.as_ref().filter(|depth| !depth.is_auto && depth.min == depth.max)?;
+    let end = shown_number(empty.min);
+    Some(format!("the range of -depth {end} {end} is empty, so that its picture is black: -depth auto finds one"))
 }
 
 fn mirror_without_bounces(
@@ -77,7 +82,9 @@ pub fn about_pictures(options: &Options, scene: &Scene, counts: &RayCounts) -> V
     let depth = options.depth.as_ref().filter(|depth| depth.min != depth.max && !depth.is_auto);
     let range = depth.map(|depth| (depth.min, depth.max));
     let range = range.filter(|&range| counts.camera_hits > 0 && !has_hit_between(scene, options, range));
-    let sentence =
-        |(min, max)| format!("nothing that is hit lies between {min} and {max}: -depth auto finds the range");
+    let sentence = |(min, max)| {
+        let [min, max] = [min, max].map(shown_number);
+        format!("nothing that is hit lies between {min} and {max}: -depth auto finds the range")
+    };
     range.map(sentence).into_iter().collect()
 }

@@ -258,6 +258,7 @@ fn load(options: &Options, budget: &mut Budget, outputs: &[OutputFile]) -> Resul
     });
     let mut compiled = compiled?;
     compiled.remarks.hints.extend(hints);
+    compiled.remarks.warnings.extend(hints::about_depths(options));
     Ok(Some(Loaded { compiled, plan, hash, parse, loading }))
 }
 

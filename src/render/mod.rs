@@ -36,7 +36,7 @@ mod unseen;
 pub use adaptive::{render as render_adaptive, render_bands as render_adaptive_bands};
 pub use depth::{has_hit_between, with_background as depths_with_background, with_range as with_depth_range};
 pub use frame::{Frame, SampleCounts};
-pub use pixel::Pixel;
+pub use pixel::{DepthRange, Pixel};
 pub use preview::MIRRORS as PREVIEW_MIRRORS;
 pub use rays::RayMaker;
 pub use samples::{SamplePattern, SampleSet};

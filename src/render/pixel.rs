@@ -16,13 +16,12 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Sets the pixel to what a ray saw. Maps depths from `depth_range` to \[0, 1\]; an empty range gives 0. Depth
-    /// and normal are not changed if no picture shows them.
+    /// Sets the pixel to what a ray saw. Depth and normal are not changed if no picture shows them.
     #[inline]
-    pub fn show(&mut self, seen: &Seen, depth_range: Option<(Real, Real)>, shows_normals: bool) {
+    pub fn show(&mut self, seen: &Seen, depth_range: Option<DepthRange>, shows_normals: bool) {
         self.color = seen.color;
         if let Some(range) = depth_range {
-            self.depth = shown_depth(seen.depth, range);
+            self.depth = range.shown(seen.depth);
         }
         if shows_normals {
             self.normal = shown_normal(seen.normal);
@@ -50,11 +49,27 @@ impl Pixel {
     }
 }
 
-/// Maps a depth to what a picture with this range shows.
-#[inline]
-pub fn shown_depth(depth: Option<Real>, (min, max): (Real, Real)) -> Real {
-    let depth = depth.map_or(0.0, |t| (t - min) / (max - min));
-    if min == max { 0.0 } else { clamped(depth) }
+/// The distances that a picture of depths shows as black and as white.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthRange {
+    min: Real,
+    max: Real,
+    /// 1, or less where the difference of both ends would overflow: it is in both ends already.
+    scale: Real,
+}
+
+impl DepthRange {
+    pub fn new(min: Real, max: Real) -> Self {
+        let scale = if (max - min).is_finite() { 1.0 } else { 0.5 };
+        Self { min: min * scale, max: max * scale, scale }
+    }
+
+    /// Maps a depth to what a picture with this range shows: an empty range gives 0.
+    #[inline]
+    pub fn shown(&self, depth: Option<Real>) -> Real {
+        let depth = depth.map_or(0.0, |t| (t * self.scale - self.min) / (self.max - self.min));
+        if self.min == self.max { 0.0 } else { clamped(depth) }
+    }
 }
 
 /// Maps a normal to what a picture shows.
@@ -107,9 +122,9 @@ pub fn fill(pixel: &Pixel, film: &mut Columns) {
 mod tests {
     use super::*;
 
-    fn depth_of(t: Option<Real>, range: (Real, Real)) -> Real {
+    fn depth_of(t: Option<Real>, (min, max): (Real, Real)) -> Real {
         let mut pixel = Pixel::default();
-        pixel.show(&Seen { depth: t, ..Seen::default() }, Some(range), false);
+        pixel.show(&Seen { depth: t, ..Seen::default() }, Some(DepthRange::new(min, max)), false);
         pixel.depth
     }
 
@@ -122,6 +137,11 @@ mod tests {
         assert_eq!(depth_of(None, (8.0, 12.0)), 0.0);
         assert_eq!(depth_of(None, (12.0, 8.0)), 0.0);
         assert_eq!(depth_of(Some(9.0), (9.0, 9.0)), 0.0);
+        let end = Real::MAX;
+        assert_eq!(depth_of(Some(9.0), (-end, end)), 0.5);
+        assert_eq!(depth_of(Some(9.0), (end, -end)), 0.5);
+        assert_eq!(depth_of(None, (-end, end)), 0.0);
+        assert_eq!(depth_of(Some(end / 2.0), (-end, end)), 0.75);
     }
 
     #[test]

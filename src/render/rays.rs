@@ -1,6 +1,6 @@
 //! [`RayMaker`]: makes the rays of a pixel, and pixels of what rays see.
 
-use super::pixel::{Pixel, filtered, finite, shown_depth, shown_normal};
+use super::pixel::{DepthRange, Pixel, filtered, finite, shown_normal};
 use super::samples::SamplePattern;
 use crate::camera::{PixelGrid, Place};
 use crate::options::{Options, SamplerKind};
@@ -15,7 +15,7 @@ pub struct RayMaker {
     /// Pixels of that grid along the side of a pixel of the picture.
     finer: u32,
     /// `None` without a picture of depths.
-    depth_range: Option<(Real, Real)>,
+    depth_range: Option<DepthRange>,
     shows_normals: bool,
     /// For each pixel of the traced grid. `None`: one sample in the corner of the pixel.
     pattern: Option<SamplePattern>,
@@ -43,7 +43,7 @@ impl RayMaker {
         Self {
             grid: PixelGrid { width: finer * args.width, height: finer * args.height },
             finer,
-            depth_range: args.depth.as_ref().map(|depth| (depth.min as Real, depth.max as Real)),
+            depth_range: args.depth.as_ref().map(|depth| DepthRange::new(depth.min as Real, depth.max as Real)),
             shows_normals: args.normals.is_some(),
             pattern: args.jitter.then(|| SamplePattern::new(args.measure.sampler, samples)),
             samples,
@@ -161,7 +161,7 @@ impl RayMaker {
         let share = 1.0 / self.samples as Real;
         let mut mean = Pixel { color: mean_color(seen, share), ..Pixel::default() };
         if let Some(range) = self.depth_range {
-            seen.iter().for_each(|seen| mean.depth += shown_depth(seen.depth, range) * share);
+            seen.iter().for_each(|seen| mean.depth += range.shown(seen.depth) * share);
         }
         if self.shows_normals {
             seen.iter().for_each(|seen| mean.normal += shown_normal(seen.normal) * share);

@@ -2,7 +2,7 @@
 
 use super::support::{CAMERA, Studio, check, check_that, modes, objects, vector};
 use a2::cube_map::CubeMap;
-use a2::render::Pixel;
+use a2::render::{DepthRange, Pixel};
 use a2::trace::Seen;
 use vecmath::Real;
 
@@ -44,7 +44,7 @@ fn depth_ranges_may_be_empty_inverted_or_denormal() {
     let depth = |t: f64, min: f64, max: f64| {
         let seen = Seen { depth: Some(t as Real), ..Seen::default() };
         let mut pixel = Pixel::default();
-        pixel.show(&seen, Some((min as Real, max as Real)), false);
+        pixel.show(&seen, Some(DepthRange::new(min as Real, max as Real)), false);
         f64::from(pixel.depth)
     };
     check_that("depth range without extent: black", depth(5.0, 5.0, 5.0) == 0.0 && depth(6.0, 5.0, 5.0) == 0.0);

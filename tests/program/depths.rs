@@ -1,7 +1,25 @@
 //! `-depth auto` and `-depth-background`.
 
 use crate::measuring::succeeds;
-use crate::support::{Folder, SCENE, TRIANGLE, project};
+use crate::support::{Folder, SCENE, TRIANGLE, middle, project};
+
+#[test]
+fn an_empty_range_is_a_warning_and_the_widest_one_is_grey() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    for (range, shown) in [("7 7", "7 7"), ("1e-320 1e-320", "1e-320 1e-320"), ("-1e300 -1e300", "-1e300 -1e300")]
+    {
+        let run = folder.a2(&format!("-input s.txt -quiet -depth {range} d.png"));
+        let expected = format!("warning: the range of -depth {shown} is empty, so that its picture is black");
+        assert!(run.exit_code == 0 && run.stderr.starts_with(&expected), "{}", run.stderr);
+    }
+    for range in ["-1e308 1e308", "1e308 -1e308"].into_iter().filter(|_| cfg!(not(feature = "f32"))) {
+        let run = folder.a2(&format!("-input s.txt -depth {range} d.png"));
+        assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""));
+        let picture = folder.picture("d.png");
+        assert_eq!((middle(&picture), picture.get_pixel(0, 0).0), ([127; 3], [0; 3]), "{range}");
+    }
+}
 
 #[test]
 fn the_range_found_gives_the_same_picture_when_it_is_typed() {
