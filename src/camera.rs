@@ -39,6 +39,11 @@ impl Camera {
         Ok(Self { center, forward: direction / half_height, horizontal, up })
     }
 
+    /// Returns the tangent of half the angle from bottom to top.
+    pub fn half_height(&self) -> Real {
+        1.0 / self.forward.length()
+    }
+
     /// Returns the ray through a place in the picture; (-1, -1) is the bottom left corner, (1, 1) the top right one.
     pub fn ray(&self, ndc: (Real, Real)) -> Ray {
         Ray { origin: self.center, direction: self.direction(ndc).normalized() }

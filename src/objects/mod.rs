@@ -110,10 +110,15 @@ impl Shape {
     }
 
     /// Returns the same shape in the space of the same matrix, or in a space of its own, so that no product in its test
-    /// leaves the range of numbers. Powers of two change no bit of a hit.
+    /// leaves the range of numbers, and points of a tiny sphere keep their digits. Powers of two change no bit of a hit.
     #[must_use]
     pub fn within_range(self, world_from_object: Option<Matrix4>) -> (Self, Option<Matrix4>) {
         match self {
+            Self::Sphere(sphere) if sphere.is_near_rounding() => {
+                let own = Matrix4::translation(sphere.center);
+                let matrix = world_from_object.map_or(own, |matrix| matrix * own);
+                Self::Sphere(Sphere { center: Vector3::ZERO, ..sphere }).within_range(Some(matrix))
+            }
             Self::Sphere(sphere) => {
                 let columns = world_from_object.map(|matrix| matrix.linear().columns);
                 let is_scaled = columns.is_some_and(|columns| columns.iter().any(|c| is_unusual(c.max_abs())));

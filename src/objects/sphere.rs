@@ -21,6 +21,16 @@ const SPHERE_ROUNDINGS: Real = 16.0;
 /// Roundings in units of the coordinates: the sum of centre and radius, and the sum of point and offset.
 const SUM_ROUNDINGS: Real = 2.0;
 
+impl Sphere {
+    /// Returns whether the sphere is so small that the rounding of its points, half a unit of the last place in the
+    /// coordinates, shows in their direction from the centre: by more than half a level of a picture of normals.
+    pub fn is_near_rounding(&self) -> bool {
+        /// Levels of a component from -1 to 1 are 2/255 apart.
+        const SHOWN: Real = 256.0;
+        self.radius < SHOWN * UNIT_ROUNDOFF * self.center.max_abs()
+    }
+}
+
 impl Surface for Sphere {
     const NORMALIZES: bool = true;
 

@@ -14,6 +14,7 @@ use super::obj::MeshFile;
 use super::places::Places;
 use super::transforms::{composed, no_inverse};
 use super::{Background, Geometry, LOOP_OBJECTS, Scene};
+use crate::camera::Camera;
 use crate::error::{Error, Remarks, Span, counted};
 use crate::light::Light;
 use crate::material::Material;
@@ -77,14 +78,14 @@ fn compile_as_far_as_right(
         places: Vec::new(),
         hints: Hints::default(),
         is_usual: !is_unusual(camera.center.max_abs()),
-        eye: camera.center,
+        camera: &camera,
     };
     flattened.add(&description.root, None)?;
     let Flattened { loaded, mut objects, places, hints, is_usual, .. } = flattened;
     let LoadedMeshes { meshes, mesh_files, remarks: of_meshes, mut left_out, .. } = loaded;
     remarks.add(of_meshes);
     let (lights, ambient_light) = lights(description, plan, is_usual, &mut remarks);
-    hints.finish(plan, &objects, source, &mut remarks);
+    hints.finish(plan, &objects, &camera, source, &mut remarks);
     if !meshes.is_empty() && !plan.shows_normals() {
         left_out.push("the smooth normals of meshes: neither colours nor normals are asked for".to_owned());
     }
@@ -140,7 +141,7 @@ struct Flattened<'a> {
     places: Vec<Span>,
     /// Whether no size in the scene [is unusual](is_unusual).
     is_usual: bool,
-    eye: Vector3,
+    camera: &'a Camera,
 }
 
 impl Flattened<'_> {
@@ -178,7 +179,7 @@ impl Flattened<'_> {
         };
         self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
         let object = Object::new(shape, transform, leaf.material, bounds.as_ref());
-        self.hints.note_too_thin(leaf.span, &object, self.eye);
+        self.hints.note_too_thin(leaf.span, &object, self.camera);
         self.is_usual &= object.bounds.is_none_or(|bounds| !is_unusual(bounds.max_abs()));
         self.objects.push(object);
         if self.loaded.plan.places {

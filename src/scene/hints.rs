@@ -4,11 +4,12 @@
 //! There is one sentence for each kind of warning, which names the first object concerned.
 
 use super::obj::others;
-use crate::error::{Remarks, SourceText, Span};
+use crate::camera::Camera;
+use crate::error::{Remarks, SourceText, Span, shown_number};
 use crate::objects::{Aabb, ExtremeSphere, Object, Shape};
 use crate::options::Epsilon;
 use crate::plan::Plan;
-use vecmath::{Matrix4, Real, UNIT_ROUNDOFF, Vector3};
+use vecmath::{Matrix4, Real, UNIT_ROUNDOFF, Vector3, exponent};
 
 /// For each kind of warning, the first object concerned and their number.
 #[derive(Default)]
@@ -18,6 +19,7 @@ pub(super) struct Hints {
     nearly_singular: Found,
     without_area: Found,
     too_thin: Found,
+    too_far: Found,
 }
 
 #[derive(Default)]
@@ -47,6 +49,14 @@ const SIZES: std::ops::RangeInclusive<Real> = 1.0..=1e5;
 const THIN: Real = 0.02;
 /// Share of its distance that an object spans if it is seen at all.
 const SEEN: Real = 1e-6;
+/// Share of the picture's height that an object spans if much of it is seen.
+const LARGE: Real = 0.01;
+/// Tangent of half the angle of a camera whose neighbouring rays may be equal, by rounding.
+const NARROWEST: Real = 8192.0 * UNIT_ROUNDOFF;
+/// Beyond this power of two, and below its inverse, products of coordinates may leave the range of numbers.
+const LARGEST_EXPONENT: i32 = Real::MAX_EXP - Real::MAX_EXP / 32;
+/// Share of the size of a scene beyond which a ray offset loses much of its shadows and mirror images.
+const LARGE_OFFSET: f64 = 0.1;
 /// Rounding error, in radii of a sphere, with which its picture is lost.
 const LOST: Real = 1e-3;
 /// Condition number from which half of the digits of an `f64` are lost.
@@ -83,28 +93,46 @@ impl Hints {
         }
     }
 
-    /// Notes a sphere that is flattened so much that rays from `eye` hit or miss it by rounding only. The test of a sphere
-    /// has some 16 roundings of the distance in object space.
-    pub fn note_too_thin(&mut self, place: Span, object: &Object, eye: Vector3) {
-        let (Some(transform), Some(bounds)) = (&object.transform, &object.bounds) else { return };
+    /// Notes a sphere that is flattened so much, or so far from the eye, that rays hit or miss it by rounding only. The test of
+    /// a sphere has some 16 roundings of the distance in object space.
+    pub fn note_too_thin(&mut self, place: Span, object: &Object, camera: &Camera) {
+        let Some(bounds) = &object.bounds else { return };
+        let eye = camera.center;
         let (Shape::Sphere(sphere) | Shape::ExtremeSphere(ExtremeSphere(sphere))) = &object.shape else { return };
-        let distance =
-            (transform.object_from_world.transform_point(eye) - sphere.center).max_abs() / sphere.radius;
-        let is_seen = bounds.size().max_abs() > SEEN * (eye - bounds.center()).max_abs();
-        if is_seen && 16.0 * UNIT_ROUNDOFF * distance > LOST {
+        let eye_in_object =
+            object.transform.as_ref().map_or(eye, |transform| transform.object_from_world.transform_point(eye));
+        let distance = (eye_in_object - sphere.center).max_abs() / sphere.radius;
+        let least = SEEN.min(LARGE * camera.half_height());
+        let is_seen = bounds.size().max_abs() > least * (eye - bounds.center()).max_abs();
+        if !is_seen || 16.0 * UNIT_ROUNDOFF * distance <= LOST {
+            return;
+        }
+        if object.transform.is_some() {
             self.too_thin.add(place, || {
                 format!("this sphere is flattened to {:.1e} of its distance", 1.0 / distance as f64)
             });
+        } else {
+            self.too_far
+                .add(place, || format!("this sphere is seen from {:.1e} times its radius", distance as f64));
         }
     }
 
     /// Adds the warnings that matter for the pictures of `plan`.
-    pub fn finish(&self, plan: &Plan, objects: &[Object], source: &SourceText, remarks: &mut Remarks) {
+    pub fn finish(
+        &self,
+        plan: &Plan,
+        objects: &[Object],
+        camera: &Camera,
+        source: &SourceText,
+        remarks: &mut Remarks,
+    ) {
         let Remarks { warnings, hints } = remarks;
         warnings.extend(self.without_area.sentence(source, ""));
         warnings.extend(self.nearly_singular.sentence(source, ""));
         warnings
             .extend(self.too_thin.sentence(source, ": rays hit or miss it by rounding; two triangles are exact"));
+        warnings.extend(self.too_far.sentence(source, ": rays hit or miss it by rounding; a nearer eye sees it"));
+        warnings.extend(of_numbers(objects, camera, source));
         if !plan.robust && (plan.color || plan.normals) {
             hints.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
         }
@@ -116,13 +144,25 @@ impl Hints {
             && (epsilon == 0.0 || !bounds.is_empty() && epsilon < f64::from(UNIT_ROUNDOFF * bounds.max_abs()))
         {
             warnings.push(format!(
-                "with -epsilon {epsilon} rays hit the surface that they leave: -epsilon auto does without"
+                "with -epsilon {} rays hit the surface that they leave: -epsilon auto does without",
+                shown_number(epsilon)
             ));
         }
+        let size = bounds.size().max_abs();
         if plan.epsilon != Epsilon::default() {
+            if let Epsilon::Along(epsilon) = plan.epsilon
+                && epsilon > LARGE_OFFSET * f64::from(size)
+                && size > 0.0
+            {
+                warnings.push(format!(
+                    "with -epsilon {} shadows and mirror images are lost in a scene that is {:.1e} across: \
+                     -epsilon auto fits any size",
+                    shown_number(epsilon),
+                    size as f64
+                ));
+            }
             return;
         }
-        let size = bounds.size().max_abs();
         if !bounds.is_empty() && !SIZES.contains(&size) {
             let (path, what) = (source.path.display(), if size < 1.0 { "small" } else { "large" });
             warnings.push(format!(
@@ -132,6 +172,26 @@ impl Hints {
         }
         warnings.extend(self.thin_walls.sentence(source, ": -robust fits any thickness"));
     }
+}
+
+/// Warns of a picture that numbers cannot show: of too small an angle, or of a scene at the end of the range.
+fn of_numbers(objects: &[Object], camera: &Camera, source: &SourceText) -> Option<String> {
+    let path = source.path.display();
+    if camera.half_height() < NARROWEST {
+        return Some(format!(
+            "{path}: the angle of the camera is so small that neighbouring rays differ by rounding only: a nearer eye does without"
+        ));
+    }
+    let is_plane = |object: &Object| matches!(object.shape, Shape::Plane(_));
+    // Bounds that would overflow are missing.
+    let size = |object: &Object| object.bounds.map_or(Real::MAX, |bounds| bounds.max_abs());
+    let sizes = objects.iter().filter(|object| !is_plane(object)).map(size);
+    let largest = sizes.fold(camera.center.max_abs(), Real::max);
+    let is_at_an_end = largest > 0.0 && exponent(largest).abs() > LARGEST_EXPONENT;
+    is_at_an_end.then(|| {
+        let largest = largest as f64;
+        format!("{path}: coordinates of {largest:.1e} are at the end of the range of numbers, so that pixels may be wrong")
+    })
 }
 
 /// Returns the smallest extent of an object in world space, or infinity if it is flat and so has no inside. It is

@@ -36,6 +36,7 @@ mod readme;
 #[cfg(unix)]
 mod report;
 mod rust_source;
+mod scales;
 mod snapshots;
 #[path = "../support/mod.rs"]
 mod support;
