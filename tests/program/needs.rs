@@ -78,7 +78,7 @@ fn a_broken_face_that_no_ray_reaches_is_no_error() {
     assert_eq!(folder.a2("-input back.txt -output o.png -size 9 9").exit_code, 0);
     let run = folder.a2("-input front.txt -output broken.png -size 9 9");
     assert_eq!(run.exit_code, 1);
-    assert!(run.stderr.contains("front.png: cannot read this picture"), "{}", run.stderr);
+    assert!(run.stderr.contains("front.png': cannot read this picture"), "{}", run.stderr);
     assert!(!folder.path("broken.png").exists());
 }
 

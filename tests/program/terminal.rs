@@ -68,7 +68,7 @@ fn check_reads_all_files_and_writes_none() {
     folder.write("sky/back.png", &back[..back.len() - 20]);
     let run = folder.a2("-check -output o.png -size 9 9 sky.txt");
     assert_eq!(run.exit_code, 1, "{}", run.stdout);
-    assert!(run.stderr.starts_with("error: sky/back.png"), "{}", run.stderr);
+    assert!(run.stderr.starts_with("error: sky.txt:3:22: cube map face 'sky/back.png'"), "{}", run.stderr);
     folder.write("m.txt", SCENE.replace("Triangle {", "TriangleMesh { obj_file none.obj } Triangle {"));
     let run = folder.a2("m.txt -check");
     assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""));
