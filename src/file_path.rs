@@ -31,13 +31,24 @@ pub enum Kind {
 
 /// Looks for the file `name` in `folder`.
 pub fn find(folder: &Path, name: &str) -> FilePath {
-    match std::fs::metadata(folder.join(name)) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => respelt(folder, name),
-        _ => FilePath::AsWritten,
+    look_for(folder, name, |part, names| probably_meant(part, names.iter().map(String::as_str)).map(str::to_owned))
+}
+
+/// Returns the name of the file `name` in `folder` if it differs in upper and lower case or in slashes only.
+pub fn respelt(folder: &Path, name: &str) -> Option<String> {
+    // Names that are only similar take long to find, and a scene may name thousands of files that are not there.
+    match look_for(folder, name, |_, _| None) {
+        FilePath::Respelt(name) => Some(name),
+        FilePath::AsWritten | FilePath::Similar(_) => None,
     }
 }
 
-fn respelt(folder: &Path, name: &str) -> FilePath {
+/// Looks for a file. `similar` chooses one of the names of a folder in place of a part that is not there.
+fn look_for(folder: &Path, name: &str, similar: impl Fn(&str, &[String]) -> Option<String>) -> FilePath {
+    match std::fs::metadata(folder.join(name)) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+        _ => return FilePath::AsWritten,
+    }
     let name = name.replace('\\', "/");
     let mut found = PathBuf::from(if name.starts_with('/') { "/" } else { "" });
     let mut parts = name.split('/').filter(|part| !part.is_empty());
@@ -47,16 +58,14 @@ fn respelt(folder: &Path, name: &str) -> FilePath {
             found.push(part);
             continue;
         }
-        let names = names_in(&here);
-        let lower = part.to_lowercase();
-        let is_same = |name: &&String| name.to_lowercase() == lower && here.join(name).exists();
-        if let Some(same) = names.iter().find(is_same) {
+        let mut names = names_in(&here);
+        if let Some(same) = names.iter().find(|name| differ_in_case(name, part) && here.join(name).exists()) {
             found.push(same);
             continue;
         }
         // A link of this very name leads nowhere.
-        let others = names.iter().map(String::as_str).filter(|name| *name != part);
-        let Some(similar) = probably_meant(part, others) else {
+        names.retain(|name| name != part);
+        let Some(similar) = similar(part, &names) else {
             return FilePath::AsWritten;
         };
         found.push(similar);
@@ -64,6 +73,11 @@ fn respelt(folder: &Path, name: &str) -> FilePath {
         return FilePath::Similar(written(&found));
     }
     FilePath::Respelt(written(&found))
+}
+
+/// Returns whether two names are the same but for upper and lower case.
+fn differ_in_case(a: &str, b: &str) -> bool {
+    if a.is_ascii() && b.is_ascii() { a.eq_ignore_ascii_case(b) } else { a.to_lowercase() == b.to_lowercase() }
 }
 
 /// Says what there is in place of the file or folder `name` in `folder`, which is missing: one that may be meant, or

@@ -2,7 +2,7 @@
 
 use super::named;
 use super::spot::{PADDING, Spot};
-use crate::file_path::{self, FilePath, Kind};
+use crate::file_path::{self, Kind};
 use crate::picture_file::{self, PictureFile};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -25,10 +25,8 @@ pub(super) struct Face {
 /// Returns the path of the picture of one side in a folder, also where its name has other capitals.
 pub(super) fn path_of(folder: &Path, name: &str) -> PathBuf {
     let name = format!("{name}.png");
-    match file_path::find(folder, &name) {
-        FilePath::Respelt(found) => folder.join(found),
-        _ => folder.join(name),
-    }
+    let spelling = file_path::respelt(folder, &name);
+    folder.join(spelling.unwrap_or(name))
 }
 
 impl Face {

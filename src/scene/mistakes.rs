@@ -4,7 +4,7 @@ use super::camera::camera;
 use super::named_files::{cube_map, unreadable};
 use super::transforms::composed;
 use crate::error::{Error, MOST_SHOWN, Remarks};
-use crate::file_path::{self, FilePath};
+use crate::file_path;
 use crate::scene_file::{Description, LeafShape, Node, Parsed};
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn add_mistakes_below(
         Node::Leaf(leaf) => {
             let LeafShape::Mesh(name) = &leaf.shape else { return };
             // A mesh without a name is a mistake of its own, and one under another spelling is read.
-            if name.value.is_empty() || matches!(file_path::find(folder, &name.value), FilePath::Respelt(_)) {
+            if name.value.is_empty() || file_path::respelt(folder, &name.value).is_some() {
                 return;
             }
             // A pipe would wait for somebody who writes into it.

@@ -2,7 +2,7 @@
 
 use crate::cube_map::CubeMap;
 use crate::error::{Error, Remarks, SourceText, cut_short};
-use crate::file_path::{self, FilePath, Kind};
+use crate::file_path::{self, Kind};
 use crate::scene_file::At;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ pub(super) fn unreadable(source: &Arc<SourceText>, folder: &Path, name: &At<Stri
 
 /// Returns the path of a file or folder; a hint says so if it is found under another spelling.
 pub(super) fn found(source: &SourceText, folder: &Path, name: &At<String>, remarks: &mut Remarks) -> PathBuf {
-    let FilePath::Respelt(spelling) = file_path::find(folder, &name.value) else {
+    let Some(spelling) = file_path::respelt(folder, &name.value) else {
         return folder.join(&name.value);
     };
     remarks.hints.push(format!(
