@@ -1,6 +1,6 @@
 //! Warnings about the vertices of a whole mesh: they are rounded away, or span no area.
 
-use super::polygons::normal;
+use super::outline::normal;
 use crate::objects::Aabb;
 use std::path::Path;
 use vecmath::Real;

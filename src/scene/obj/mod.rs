@@ -10,6 +10,7 @@ mod extent;
 mod foreign;
 mod left_out;
 mod lines;
+mod outline;
 mod plain;
 mod polygons;
 mod statements;

@@ -8,6 +8,7 @@
 //! exactly as the file has them.
 
 use super::Polygon;
+use super::outline::{cross, normal, rounding, size_of};
 use super::tangled::is_tangled;
 use earcut::Earcut;
 use rayon::prelude::*;
@@ -35,8 +36,6 @@ enum Cut {
 
 /// A corner that is farther from the polygon's plane than this part of the polygon's size makes it crooked.
 const CROOKED: f64 = 0.25;
-/// A corner's coordinates are off by half a unit in the last place of an `f32`: 2^-24 of themselves.
-const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 /// Triangles whose areas add up to more than the polygon's by this part of it overlap.
 const OVERLAP: f64 = 1e-5;
 
@@ -98,19 +97,6 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     inside(&flat, parts).map_or(Cut::Doubtful, Cut::Inside)
 }
 
-/// The vector across a polygon by Newell's method: its length is twice the area.
-pub(super) fn normal(points: &[[f64; 3]]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for edge in points.windows(2) {
-        let [a, b] = [edge[0], edge[1]].map(|point| [0, 1, 2].map(|axis| point[axis] - points[0][axis]));
-        for (axis, sum) in sum.iter_mut().enumerate() {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            *sum += a[u] * b[v] - a[v] * b[u];
-        }
-    }
-    sum
-}
-
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -135,22 +121,6 @@ fn projected(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[f64; 2]> {
         (u, v) = (v, u);
     }
     points.iter().map(|point| [point[u], point[v]]).collect()
-}
-
-/// Twice the area of a triangle, above zero if it turns left.
-pub(super) fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// The largest coordinate of a polygon, without its sign.
-pub(super) fn size_of(flat: &[[f64; 2]]) -> f64 {
-    flat.as_flattened().iter().fold(0.0f64, |size, coordinate| size.max(coordinate.abs()))
-}
-
-/// How far [`cross`] may be off because the coordinates, up to `size`, are rounded.
-pub(super) fn rounding([a, b, c]: [[f64; 2]; 3], size: f64) -> f64 {
-    let edges = [b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]];
-    4.0 * ROUNDING * size * edges.iter().map(|edge| edge.abs()).sum::<f64>()
 }
 
 /// Whether a polygon turns left at every corner, up to rounding, and goes around once.

@@ -4,7 +4,7 @@
 //! the outline runs over itself again and again. Four corners, named in turn 10,000 times, took it a minute. What
 //! passes here took 0.3 s at most in 124 hard outlines: stars, spirals, combs, holes on bridges, tours of grids.
 
-use super::polygons::{cross, rounding, size_of};
+use super::outline::{cross, rounding, size_of};
 use std::collections::HashSet;
 
 /// A polygon of more corners is tangled, if it is not convex.
