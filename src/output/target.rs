@@ -1,6 +1,6 @@
 //! [`Target`]: where the name of a file leads.
 
-use super::temporary::Temporary;
+use super::temporary::{Temporary, folder_of};
 use crate::error::Error;
 use crate::input::is_standard;
 use std::fs::{self, File, Permissions};
@@ -146,11 +146,6 @@ fn new_file(path: &Path) -> Result<PathBuf, Error> {
         (Some(_), _) => Err(Error::file(path, "this is the name of a folder, not of a file")),
         (None, _) => Err(Error::file(path, format!("the folder '{}' does not exist", folder.display()))),
     }
-}
-
-/// Returns the folder of a file's path.
-fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Returns whether a file belongs to another user, in a folder where only the owner may replace it (a sticky one, as
