@@ -239,11 +239,11 @@ struct Loaded {
 fn load(options: &Options, budget: &mut Budget, outputs: &[OutputFile]) -> Result<Option<Loaded>, Error> {
     let (parsed, parse) = timed(|| parse(options));
     let (description, plan) = parsed?;
-    if !outputs.is_empty() {
-        // Also what these pictures do not need, and so is not loaded.
-        output::check_inputs(outputs, scene::named_files(&description).iter().map(PathBuf::as_path))?;
-    }
-    let hash = options.wants_labels().then(|| scene::hash_of_files(&description));
+    // Also files that these pictures do not need, and so are not loaded.
+    let wants_files = !outputs.is_empty() || options.wants_labels();
+    let named = if wants_files { scene::named_files(&description) } else { Vec::new() };
+    output::check_inputs(outputs, named.iter().map(PathBuf::as_path))?;
+    let hash = options.wants_labels().then(|| scene::hash_of_files(&description, &named));
     if options.skip_done && hash.is_some_and(|hash| write::are_done(options, hash)) {
         return Ok(None);
     }

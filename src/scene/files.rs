@@ -30,12 +30,12 @@ pub fn named_files(description: &Description) -> Vec<PathBuf> {
     files
 }
 
-/// Returns a hash of a scene's text and of the content of all files that it names: the same on every machine. Of a device
+/// Returns a hash of a scene's text and of the content of the files that it names: the same on every machine. Of a device
 /// or a pipe only the name counts.
-pub fn hash_of_files(description: &Description) -> u128 {
+pub fn hash_of_files(description: &Description, named: &[PathBuf]) -> u128 {
     let mut hasher = SipHasher24::new();
     add(&mut hasher, description.source.text.as_bytes());
-    named_files(description).iter().for_each(|path| add_file(&mut hasher, path));
+    named.iter().for_each(|path| add_file(&mut hasher, path));
     let hash = hasher.finish128();
     u128::from(hash.h1) << 64 | u128::from(hash.h2)
 }
