@@ -5,7 +5,7 @@ mod source;
 mod words;
 
 pub use remarks::Remarks;
-pub use source::{Excerpt, SourceError, SourceText, Span};
+pub use source::{SourceError, SourceText, Span};
 pub use words::{counted, cut_short, probably_meant, shown_number, visible};
 
 use annotate_snippets::Renderer;

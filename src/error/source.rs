@@ -36,36 +36,9 @@ impl SourceText {
         format!("{}:{line}:{column}", self.path.display())
     }
 
-    /// Returns the line of a place, which outlives this text.
-    pub fn excerpt(&self, Span { start, end }: Span) -> Excerpt {
-        let (before, behind) = self.text.split_at(start);
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let line_end = behind.find('\n').map_or(self.text.len(), |length| start + length);
-        let lines_before = before.bytes().filter(|&b| b == b'\n').count();
-        let text = "\n".repeat(lines_before) + &self.text[line_start..line_end];
-        let moved = |at: usize| at - line_start + lines_before;
-        let span = Span { start: moved(start), end: moved(end.min(line_end)) };
-        Excerpt { line: Arc::new(Self { path: self.path.clone(), text }), span }
-    }
-
     /// Makes an error about `span` of this text.
     pub fn error(self: &Arc<Self>, span: Span, message: impl Into<String>) -> Error {
         Error::Source(SourceError { source_text: Arc::clone(self), span, message: message.into(), note: None })
-    }
-}
-
-/// A line of a [`SourceText`] and a place in it, for an error that may come when the text is gone.
-#[derive(Debug)]
-pub struct Excerpt {
-    /// Empty lines, then this one.
-    line: Arc<SourceText>,
-    span: Span,
-}
-
-impl Excerpt {
-    /// Makes an error about the place.
-    pub fn error(&self, message: impl Into<String>) -> Error {
-        self.line.error(self.span, message)
     }
 }
 
@@ -152,16 +125,6 @@ mod tests {
         assert!(shown.starts_with("s.txt:2:3: wrong\n"), "{shown}");
         assert!(shown.contains("2 |   two three"), "{shown}");
         assert!(shown.contains("^^^"), "{shown}");
-    }
-
-    #[test]
-    fn an_excerpt_gives_the_same_error() {
-        let text = source("one\nüü two three\n\nfour\nfive");
-        for (start, end) in [(0, 3), (9, 12), (19, 23), (24, 28), (28, 28), (19, 26)] {
-            let (whole, excerpt) =
-                (text.error(Span { start, end }, "x"), text.excerpt(Span { start, end }).error("x"));
-            assert_eq!(excerpt.to_string(), whole.to_string());
-        }
     }
 
     #[test]

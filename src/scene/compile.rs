@@ -24,6 +24,7 @@ use crate::plan::Plan;
 use crate::scene_file::{Description, Leaf, LeafShape, Node};
 use crate::timing::{Times, timed};
 use std::path::Path;
+use std::sync::Arc;
 use vecmath::{Matrix4, Vector3, is_unusual};
 
 /// A scene, and remarks about it.
@@ -71,7 +72,7 @@ fn compile_as_far_as_right(
         _ => None,
     };
     let cube_map_name = description.background.cube_map.as_ref().filter(|_| cube_map.is_some());
-    let cube_map_name = cube_map_name.map(|name| source.excerpt(name.span));
+    let cube_map_name = cube_map_name.map(|name| (Arc::clone(source), name.span));
     let mut flattened = Flattened {
         loaded: LoadedMeshes::new(source, folder, plan, budget),
         objects: Vec::new(),

@@ -33,9 +33,10 @@ pub use tally::{ObjectCounts, TestCounts};
 
 use crate::camera::Camera;
 use crate::cube_map::CubeMap;
-use crate::error::{Error, Excerpt};
+use crate::error::{Error, SourceText, Span};
 use crate::light::Light;
 use crate::material::Material;
+use std::sync::Arc;
 use vecmath::Vector3;
 
 /// The background, seen by every ray that hits no object.
@@ -43,8 +44,8 @@ use vecmath::Vector3;
 pub struct Background {
     pub color: Vector3,
     pub cube_map: Option<CubeMap>,
-    /// The name of the cube map in the scene.
-    pub cube_map_name: Option<Excerpt>,
+    /// The text of the scene, and the place where it names its cube map.
+    pub cube_map_name: Option<(Arc<SourceText>, Span)>,
 }
 
 impl Background {
@@ -61,7 +62,7 @@ impl Background {
         let Some(cube_map) = &self.cube_map else { return Ok(0) };
         match (cube_map.broken_face(), &self.cube_map_name) {
             (None, _) => Ok(cube_map.decoded_faces()),
-            (Some(message), Some(name)) => Err(name.error(message)),
+            (Some(message), Some((source, place))) => Err(source.error(*place, message)),
             (Some(message), None) => Err(Error::Refused(message)),
         }
     }
