@@ -1,5 +1,9 @@
 //! What a file of another kind than the wanted one seems to be, by how it begins.
 
+/// How PNG and EXR files begin.
+pub const PNG_MARK: &[u8] = b"\x89PNG\r\n\x1a\n";
+pub const EXR_MARK: &[u8] = b"\x76\x2f\x31\x01";
+
 /// How binary files of each kind begin.
 const BINARY: &[(&[u8], &str)] = &[
     (b"\x1f\x8b", "compressed with gzip"),
@@ -19,13 +23,13 @@ const BINARY: &[(&[u8], &str)] = &[
     (b"\xce\xfa\xed\xfe", "a compiled object file (Mach-O)"),
     (b"!<arch>", "a library of compiled object files"),
     (b"MZ", "a Windows program"),
-    (b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+    (PNG_MARK, "a PNG picture"),
     (b"\x89PNG", COPIED_AS_TEXT),
     (b"\xc2\x89PNG", COPIED_AS_TEXT),
     (b"\xef\xbf\xbdPNG", COPIED_AS_TEXT),
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"GIF8", "a GIF picture"),
-    (b"\x76\x2f\x31\x01", "an OpenEXR picture"),
+    (EXR_MARK, "an OpenEXR picture"),
     (b"\0\0\0\x0cjP  ", "a JPEG 2000 picture"),
     (b"\xff\x4f\xff\x51", "a JPEG 2000 picture"),
     (b"\0\0\0\x0cJXL ", "a JPEG XL picture"),

@@ -27,8 +27,7 @@ const WITH_PALETTE: u8 = 3;
 const MAX_EXTRA_BYTES: u64 = 16 << 20;
 /// Further memory for each byte of the file: texts are read into a buffer that grows to twice their size, and copied.
 const EXTRA_FOR_FILE_BYTE: u64 = 4;
-/// How PNG files begin: with a mark, then the first chunk, whose length is always the same. Then the size follows.
-const PNG_MARK: &[u8] = b"\x89PNG\r\n\x1a\n";
+/// How PNG files begin: with their mark, then the first chunk, whose length is always the same. Then the size follows.
 const PNG_HEAD: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
 
 /// A picture file whose size is known and allowed, and whose pixels are not decoded yet.
@@ -178,7 +177,7 @@ fn png_decoder(path: &Path) -> Result<(Box<dyn ImageDecoder>, u64), String> {
     let file_bytes = accessed(file.metadata())?.len();
     let mut reader = BufReader::new(file);
     let head = accessed(reader.fill_buf())?;
-    if !head.starts_with(PNG_MARK) {
+    if !head.starts_with(file_kind::PNG_MARK) {
         return Err(of_another_kind("PNG", head));
     }
     if let Some([a, b, c, d, e, f, g, h, ..]) = head.strip_prefix(PNG_HEAD) {
@@ -222,9 +221,7 @@ fn check_palette(bytes: &[u8]) -> Result<(), String> {
 /// Returns a decoder of an EXR file, and the file's size in bytes.
 #[cfg(feature = "exr")]
 fn exr_decoder(bytes: Vec<u8>) -> Result<(Box<dyn ImageDecoder>, u64), String> {
-    /// How EXR files begin.
-    const MARK: &[u8] = b"\x76\x2f\x31\x01";
-    if !bytes.starts_with(MARK) {
+    if !bytes.starts_with(file_kind::EXR_MARK) {
         return Err(of_another_kind("EXR", &bytes));
     }
     let file_bytes = bytes.len() as u64;

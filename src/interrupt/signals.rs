@@ -84,7 +84,7 @@ fn handle_without_thread(signal: i32) {
 }
 
 /// Has a thread that aborts, because it gets no memory, wait until another one has ended the process: it writes into a pipe
-/// that is full. All that a signal may do without unsafe code is to set a flag, to write a byte, or to end the process.
+/// that is full. All that safe code may do in a signal is to set a flag, to write a byte, or to end the process.
 fn hold_aborting_threads() -> io::Result<()> {
     let (reader, mut writer) = io::pipe()?;
     // Sets the pipe to not wait.
