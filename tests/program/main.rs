@@ -18,6 +18,7 @@ mod grading;
 mod hints;
 mod libraries;
 mod measuring;
+mod memory;
 mod mesh_names;
 mod mesh_remarks;
 mod meshes;

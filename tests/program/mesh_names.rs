@@ -1,6 +1,7 @@
 //! Tests of the names of mesh files, of their size, and of what is reported about them.
 
 use crate::meshes::{KITE, refusal};
+use crate::parse_errors::with_material;
 use crate::support::{Folder, Run, SCENE, TRIANGLE};
 use image::RgbImage;
 
@@ -187,4 +188,18 @@ fn what_became_of_a_mesh_is_reported() {
         "{}",
         run.stdout
     );
+}
+
+/// Each search reads the folder, and only ten mistakes are shown.
+#[test]
+fn three_thousand_missing_meshes_are_ten_mistakes() {
+    let folder = Folder::new();
+    let mesh = |n: usize| format!("MaterialIndex 0 TriangleMesh {{ obj_file mesh{n}x.obj }}\n");
+    let meshes: String = (0..3000).map(mesh).collect();
+    (0..3000).for_each(|n| _ = folder.write(&format!("mesh{n}.obj"), ""));
+    folder.write("s.txt", with_material(&format!("Group {{ numObjects 3000\n{meshes}}}")));
+    let run = folder.a2("s.txt -output o.png");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("did you mean 'mesh0.obj'?"), "{}", run.stderr);
+    assert!(run.stderr.ends_with("10 mistakes or more: these are the first\n"), "{}", run.stderr);
 }

@@ -20,20 +20,6 @@ pub fn says(scene: &str, message: &str, hint: &str) {
     assert_eq!(said.matches("s.txt:").count(), 1, "{scene}\n{said}");
 }
 
-/// Each search reads the folder, and only ten mistakes are shown.
-#[test]
-fn three_thousand_missing_meshes_are_ten_mistakes() {
-    let folder = Folder::new();
-    let mesh = |n: usize| format!("MaterialIndex 0 TriangleMesh {{ obj_file mesh{n}x.obj }}\n");
-    let meshes: String = (0..3000).map(mesh).collect();
-    (0..3000).for_each(|n| _ = folder.write(&format!("mesh{n}.obj"), ""));
-    folder.write("s.txt", with_material(&format!("Group {{ numObjects 3000\n{meshes}}}")));
-    let run = folder.a2("s.txt -output o.png");
-    assert_eq!(run.exit_code, 1);
-    assert!(run.stderr.contains("did you mean 'mesh0.obj'?"), "{}", run.stderr);
-    assert!(run.stderr.ends_with("10 mistakes or more: these are the first\n"), "{}", run.stderr);
-}
-
 #[test]
 fn too_many_and_too_few_numbers_are_counted() {
     for (from, to, message) in [
