@@ -2,6 +2,7 @@
 //! `/`.
 
 use crate::error::probably_meant;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Most names of a folder that a message lists.
@@ -31,48 +32,61 @@ pub enum Kind {
 
 /// Looks for the file `name` in `folder`.
 pub fn find(folder: &Path, name: &str) -> FilePath {
-    look_for(folder, name, |part, names| probably_meant(part, names.iter().map(String::as_str)).map(str::to_owned))
-}
-
-/// Returns the name of the file `name` in `folder` if it differs in upper and lower case or in slashes only.
-pub fn respelt(folder: &Path, name: &str) -> Option<String> {
-    // Names that are only similar take long to find, and a scene may name thousands of files that are not there.
-    match look_for(folder, name, |_, _| None) {
-        FilePath::Respelt(name) => Some(name),
-        FilePath::AsWritten | FilePath::Similar(_) => None,
-    }
-}
-
-/// Looks for a file. `similar` chooses one of the names of a folder in place of a part that is not there.
-fn look_for(folder: &Path, name: &str, similar: impl Fn(&str, &[String]) -> Option<String>) -> FilePath {
-    match std::fs::metadata(folder.join(name)) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-        _ => return FilePath::AsWritten,
-    }
-    let name = name.replace('\\', "/");
-    let mut found = PathBuf::from(if name.starts_with('/') { "/" } else { "" });
-    let mut parts = name.split('/').filter(|part| !part.is_empty());
-    while let Some(part) = parts.next() {
-        let here = folder.join(&found);
-        if here.join(part).exists() {
-            found.push(part);
-            continue;
-        }
-        let mut names = names_in(&here);
-        if let Some(same) = names.iter().find(|name| differ_in_case(name, part) && here.join(name).exists()) {
-            found.push(same);
-            continue;
-        }
+    KnownFolders::default().look_for(folder, name, |part, names| {
         // A link of this very name leads nowhere.
-        names.retain(|name| name != part);
-        let Some(similar) = similar(part, &names) else {
-            return FilePath::AsWritten;
-        };
-        found.push(similar);
-        found.extend(parts);
-        return FilePath::Similar(written(&found));
+        let others = names.iter().map(String::as_str).filter(|name| *name != part);
+        probably_meant(part, others).map(str::to_owned)
+    })
+}
+
+/// The names in folders. Each folder is read once: a scene may name thousands of files that are not there.
+#[derive(Default)]
+pub struct KnownFolders(HashMap<PathBuf, Vec<String>>);
+
+impl KnownFolders {
+    /// Returns the name of the file `name` in `folder` if it differs in upper and lower case or in slashes only.
+    pub fn respelt(&mut self, folder: &Path, name: &str) -> Option<String> {
+        // Names that are only similar take long to find.
+        match self.look_for(folder, name, |_, _| None) {
+            FilePath::Respelt(name) => Some(name),
+            FilePath::AsWritten | FilePath::Similar(_) => None,
+        }
     }
-    FilePath::Respelt(written(&found))
+
+    /// Looks for a file. `similar` chooses one of the names of a folder in place of a part that is not there.
+    fn look_for(
+        &mut self,
+        folder: &Path,
+        name: &str,
+        similar: impl Fn(&str, &[String]) -> Option<String>,
+    ) -> FilePath {
+        match std::fs::metadata(folder.join(name)) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            _ => return FilePath::AsWritten,
+        }
+        let name = name.replace('\\', "/");
+        let mut found = PathBuf::from(if name.starts_with('/') { "/" } else { "" });
+        let mut parts = name.split('/').filter(|part| !part.is_empty());
+        while let Some(part) = parts.next() {
+            let here = folder.join(&found);
+            if here.join(part).exists() {
+                found.push(part);
+                continue;
+            }
+            let names = self.0.entry(here.clone()).or_insert_with(|| names_in(&here));
+            if let Some(same) = names.iter().find(|name| differ_in_case(name, part) && here.join(name).exists()) {
+                found.push(same);
+                continue;
+            }
+            let Some(similar) = similar(part, names) else {
+                return FilePath::AsWritten;
+            };
+            found.push(similar);
+            found.extend(parts);
+            return FilePath::Similar(written(&found));
+        }
+        FilePath::Respelt(written(&found))
+    }
 }
 
 /// Returns whether two names are the same but for upper and lower case.

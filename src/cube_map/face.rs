@@ -2,7 +2,7 @@
 
 use super::named;
 use super::spot::{PADDING, Spot};
-use crate::file_path::{self, Kind};
+use crate::file_path::{self, Kind, KnownFolders};
 use crate::picture_file::{self, PictureFile};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -25,7 +25,7 @@ pub(super) struct Face {
 /// Returns the path of the picture of one side in a folder, also where its name has other capitals.
 pub(super) fn path_of(folder: &Path, name: &str) -> PathBuf {
     let name = format!("{name}.png");
-    let spelling = file_path::respelt(folder, &name);
+    let spelling = KnownFolders::default().respelt(folder, &name);
     folder.join(spelling.unwrap_or(name))
 }
 

@@ -3,6 +3,7 @@
 use super::named_files::found;
 use crate::cube_map::face_paths;
 use crate::error::Remarks;
+use crate::file_path::KnownFolders;
 use crate::scene_file::{At, Description, LeafShape};
 use siphasher::sip128::{Hasher128 as _, SipHasher24};
 use std::fs::File;
@@ -13,8 +14,10 @@ use std::path::{Path, PathBuf};
 /// Returns the paths of all files that a scene names, each once: meshes, and the six faces of its cube map. They may be missing.
 pub fn named_files(description: &Description) -> Vec<PathBuf> {
     let folder = description.source.path.parent().unwrap_or(Path::new(""));
+    let mut folders = KnownFolders::default();
     // The hints come when the scene is loaded.
-    let found = |name: &At<String>| found(&description.source, folder, name, &mut Remarks::default());
+    let mut found =
+        |name: &At<String>| found(&description.source, folder, name, &mut folders, &mut Remarks::default());
     let mut meshes: Vec<&At<String>> = Vec::new();
     description.root.visit_leaves(&mut |leaf| {
         if let LeafShape::Mesh(name) = &leaf.shape {
@@ -23,7 +26,7 @@ pub fn named_files(description: &Description) -> Vec<PathBuf> {
     });
     meshes.sort_unstable_by_key(|name| &name.value);
     meshes.dedup_by_key(|name| &name.value);
-    let mut files: Vec<PathBuf> = meshes.into_iter().map(found).collect();
+    let mut files: Vec<PathBuf> = meshes.into_iter().map(&mut found).collect();
     files.sort_unstable();
     files.dedup();
     files.extend(description.background.cube_map.iter().flat_map(|name| face_paths(&found(name))));

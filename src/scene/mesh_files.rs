@@ -4,6 +4,7 @@ use super::copies::KnownFiles;
 use super::named_files::{found, unreadable};
 use super::obj::{self, MeshFile};
 use crate::error::{Error, Remarks, SourceText, Span};
+use crate::file_path::KnownFolders;
 use crate::input::read_whole;
 use crate::memory::Budget;
 use crate::objects::Mesh;
@@ -35,6 +36,7 @@ pub(super) struct LoadedMeshes<'a> {
     pub remarks: Remarks,
     /// What was left out and why, a sentence each.
     pub left_out: Vec<String>,
+    folders: KnownFolders,
     /// Meshes by the path of their file.
     by_path: HashMap<PathBuf, u32>,
     /// Meshes by the bytes of their file.
@@ -53,6 +55,7 @@ impl<'a> LoadedMeshes<'a> {
             mesh_files: Vec::new(),
             remarks: Remarks::default(),
             left_out: Vec::new(),
+            folders: KnownFolders::default(),
             by_path: HashMap::new(),
             by_bytes: KnownFiles::default(),
         }
@@ -67,7 +70,7 @@ impl<'a> LoadedMeshes<'a> {
         if let Some(&known) = self.by_path.get(&as_written) {
             return Ok(known);
         }
-        let path = found(self.source, self.folder, name, &mut self.remarks);
+        let path = found(self.source, self.folder, name, &mut self.folders, &mut self.remarks);
         let index = match self.by_path.get(&path) {
             Some(&known) => known,
             None => self.load(&path, name)?,

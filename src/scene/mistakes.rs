@@ -3,10 +3,11 @@
 use super::camera::camera;
 use super::named_files::{cube_map, unreadable};
 use super::transforms::composed;
-use crate::error::{Error, MOST_SHOWN, Remarks};
-use crate::file_path;
+use crate::error::{Error, MOST_SHOWN, Remarks, SourceText};
+use crate::file_path::KnownFolders;
 use crate::scene_file::{Description, LeafShape, Node, Parsed};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Returns the scene of a file without mistakes.
 ///
@@ -30,39 +31,44 @@ pub(super) fn with_other_mistakes(mut mistakes: Vec<Error>, description: &Descri
     others.extend(map.and_then(|name| cube_map(source, folder, name, &mut Remarks::default()).err()));
     // Some of these may be known.
     let most = others.len() + mistakes.len() + MOST_SHOWN;
-    add_mistakes_below(&description.root, description, folder, most, &mut others);
+    let mut search = Search { source, folder, folders: KnownFolders::default(), most, mistakes: others };
+    search.add_those_below(&description.root);
     let known: Vec<String> = mistakes.iter().map(Error::to_string).collect();
-    mistakes.extend(others.into_iter().filter(|other| !known.contains(&other.to_string())));
+    mistakes.extend(search.mistakes.into_iter().filter(|other| !known.contains(&other.to_string())));
     Error::all(mistakes)
 }
 
-/// Adds the mistakes of a part of the tree, in the order of their places, as far as they can be among the first ones.
-fn add_mistakes_below(
-    node: &Node,
-    description: &Description,
-    folder: &Path,
+/// The mistakes in the tree of a scene.
+struct Search<'a> {
+    source: &'a Arc<SourceText>,
+    folder: &'a Path,
+    folders: KnownFolders,
+    /// How many of them are looked for.
     most: usize,
-    mistakes: &mut Vec<Error>,
-) {
-    match node {
-        // To say what is meant, folders are read.
-        _ if mistakes.len() >= most => {}
-        Node::Group(members) => {
-            members.iter().for_each(|member| add_mistakes_below(member, description, folder, most, mistakes));
-        }
-        Node::Transform { steps, child } => {
-            mistakes.extend(composed(&description.source, steps).err());
-            add_mistakes_below(child, description, folder, most, mistakes);
-        }
-        Node::Leaf(leaf) => {
-            let LeafShape::Mesh(name) = &leaf.shape else { return };
-            // A mesh without a name is a mistake of its own, and one under another spelling is read.
-            if name.value.is_empty() || file_path::respelt(folder, &name.value).is_some() {
-                return;
+    mistakes: Vec<Error>,
+}
+
+impl Search<'_> {
+    /// Adds the mistakes of a part of the tree, in the order of their places.
+    fn add_those_below(&mut self, node: &Node) {
+        match node {
+            // To say what is meant, folders are read.
+            _ if self.mistakes.len() >= self.most => {}
+            Node::Group(members) => members.iter().for_each(|member| self.add_those_below(member)),
+            Node::Transform { steps, child } => {
+                self.mistakes.extend(composed(self.source, steps).err());
+                self.add_those_below(child);
             }
-            // A pipe would wait for somebody who writes into it.
-            if let Err(error) = folder.join(&name.value).metadata() {
-                mistakes.push(unreadable(&description.source, folder, name, &error));
+            Node::Leaf(leaf) => {
+                let LeafShape::Mesh(name) = &leaf.shape else { return };
+                // A mesh without a name is a mistake of its own, and one under another spelling is read.
+                if name.value.is_empty() || self.folders.respelt(self.folder, &name.value).is_some() {
+                    return;
+                }
+                // A pipe would wait for somebody who writes into it.
+                if let Err(error) = self.folder.join(&name.value).metadata() {
+                    self.mistakes.push(unreadable(self.source, self.folder, name, &error));
+                }
             }
         }
     }

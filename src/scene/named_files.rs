@@ -2,7 +2,7 @@
 
 use crate::cube_map::CubeMap;
 use crate::error::{Error, Remarks, SourceText, cut_short};
-use crate::file_path::{self, Kind};
+use crate::file_path::{self, Kind, KnownFolders};
 use crate::scene_file::At;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub(super) fn cube_map(
     name: &At<String>,
     remarks: &mut Remarks,
 ) -> Result<CubeMap, Error> {
-    let path = found(source, folder, name, remarks);
+    let path = found(source, folder, name, &mut KnownFolders::default(), remarks);
     let opened = CubeMap::open(&path).inspect(|map| {
         let place = || source.location(name.span);
         let hints = map
@@ -47,8 +47,14 @@ pub(super) fn unreadable(source: &Arc<SourceText>, folder: &Path, name: &At<Stri
 }
 
 /// Returns the path of a file or folder; a hint says so if it is found under another spelling.
-pub(super) fn found(source: &SourceText, folder: &Path, name: &At<String>, remarks: &mut Remarks) -> PathBuf {
-    let Some(spelling) = file_path::respelt(folder, &name.value) else {
+pub(super) fn found(
+    source: &SourceText,
+    folder: &Path,
+    name: &At<String>,
+    folders: &mut KnownFolders,
+    remarks: &mut Remarks,
+) -> PathBuf {
+    let Some(spelling) = folders.respelt(folder, &name.value) else {
         return folder.join(&name.value);
     };
     remarks.hints.push(format!(
