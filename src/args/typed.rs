@@ -35,13 +35,9 @@ pub(super) fn with_two_dashes(typed: OsString) -> OsString {
 /// Makes the clap command of the flags that stand in `argv`: making all of them would take a tenth of a short run. If a
 /// flag is given twice, the last one counts.
 pub(super) fn command(argv: &[OsString]) -> clap::Command {
-    let is_typed = |flag: &&Flag| {
-        let is_name = |word: &OsString| {
-            let rest = word.to_str()?.strip_prefix("--")?.strip_prefix(flag.name)?;
-            Some(rest.is_empty() || rest.starts_with('='))
-        };
-        argv.iter().any(|word| is_name(word) == Some(true))
-    };
+    let names = argv.iter().filter_map(|word| word.to_str()?.strip_prefix("--")?.split('=').next());
+    let names: Vec<&str> = names.collect();
+    let is_typed = |flag: &&Flag| names.contains(&flag.name);
     let arg = |flag: &Flag| {
         let arg = Arg::new(flag.name).long(flag.name);
         if flag.values.is_empty() {
