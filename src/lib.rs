@@ -102,7 +102,8 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
         let code = error.exit_code();
         (error, code)
     };
-    match args::parse(argv).map_err(with_code)? {
+    let request = args::parse(argv).map_err(with_code)?;
+    threads::with_a_large_stack(|| match request {
         Request::Print(text) => Ok(Outcome::new(text, 0)),
         Request::PrintUsage(text) => {
             say(&text);
@@ -119,7 +120,7 @@ pub fn run(argv: impl IntoIterator<Item = OsString>) -> Result<Outcome, (Error, 
             Ok(Outcome::new(text, 0))
         }
         Request::Render(options) => render_to_files(&options).map_err(with_code),
-    }
+    })
 }
 
 fn compare(options: &CompareOptions) -> Result<Outcome, (Error, u8)> {

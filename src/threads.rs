@@ -1,4 +1,4 @@
-//! The worker threads: how many there are, and how they are started.
+//! The worker threads: how many there are, and how they are started. And a stack that is large enough.
 
 use crate::error::{Error, counted};
 use crate::memory;
@@ -6,8 +6,39 @@ use crate::options::Options;
 use crate::output::say;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use std::io::ErrorKind;
+use std::panic::resume_unwind;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
+
+/// Bytes of stack that hold the deepest scene: up to a million were measured.
+const LARGE_STACK: usize = 4 << 20;
+
+/// Does the work of the main thread. Where the system gives this thread a small stack, another one does it: a scene whose
+/// groups and transforms are nested is read and built level by level.
+pub fn with_a_large_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    if has_a_large_stack() {
+        return work();
+    }
+    let mut work = Some(work);
+    let done = thread::scope(|scope| {
+        let work = || work.take().map(|work| work());
+        let thread = thread::Builder::new().stack_size(LARGE_STACK).spawn_scoped(scope, work).ok()?;
+        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+    });
+    done.or_else(|| work.take().map(|work| work())).expect("the work is done by a thread or left to this one")
+}
+
+#[cfg(unix)]
+fn has_a_large_stack() -> bool {
+    use rustix::process::{Resource, getrlimit};
+    getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= LARGE_STACK as u64)
+}
+
+/// The main thread of Windows has one million bytes.
+#[cfg(not(unix))]
+fn has_a_large_stack() -> bool {
+    false
+}
 
 /// Starts the worker threads: where the system allows fewer than wanted, so many, with a hint. The main thread is
 /// one of them: one that only waits would be a third thread on two processors, and a short run loses time to that.
