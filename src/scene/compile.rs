@@ -127,9 +127,11 @@ fn leave_out_objects(
         ));
     }
     let hidden = remove_hidden(objects, eye, lights, plan);
-    if hidden > 0 {
-        let what = counted(hidden, "object");
-        left_out.push(format!("{what}: inside a sphere, with the eye and all lights outside of it"));
+    for (count, one_side, other) in [(hidden.inside, "inside", "outside"), (hidden.outside, "outside", "inside")] {
+        if count > 0 {
+            let what = counted(count, "object");
+            left_out.push(format!("{what}: {one_side} a sphere, with the eye and all lights {other} of it"));
+        }
     }
 }
 

@@ -237,6 +237,48 @@ fn what_a_sphere_hides_is_left_out() {
 }
 
 #[test]
+fn what_is_outside_of_a_sphere_around_the_eye_is_left_out() {
+    let folder = Folder::new();
+    let shells: String = (1..=500).rev().map(|i| format!("Sphere {{ center 0 0 9 radius {i} }} ")).collect();
+    let far = "Triangle { vertex0 0 0 -2 vertex1 1 0 -2 vertex2 0 1 -2 } ";
+    let crossing = "MaterialIndex 1 Triangle { vertex0 -3 0 8.1 vertex1 1 0 8.1 vertex2 0 1 8.1 } ";
+    let materials =
+        "numMaterials 2 Material { diffuseColor 1 0.5 0 } Material { diffuseColor 0 1 0 specularColor 1 1 1 }";
+    let scene = |objects: &str, count: usize, light: &str| {
+        let scene = SCENE.replace("numMaterials 1 Material { }", materials).replace(TRIANGLE, objects);
+        scene.replace("numObjects 1", &format!("numObjects {count}")).replace(LIGHT, light)
+    };
+    let all = format!("{shells}{far}{crossing}");
+    let point_light = |at: &str| format!("PointLight {{ position {at} color 1 1 1 falloff 0.1 }}");
+    let (near, outside) = (point_light("0.5 0.5 9.2"), point_light("0.5 0.5 11.2"));
+    // The eye is 1 away from the centre. The triangle beyond the second shell is outside of it.
+    for (light, arguments, hidden) in [
+        (near.as_str(), "", 499),
+        (&near, "-shadows", 499),
+        (&outside, "", 499),
+        // The light is inside of the third shell.
+        (&outside, "-shadows", 498),
+        (LIGHT, "", 499),
+        (LIGHT, "-shadows", 0),
+        (&near, "-bounces 1", 0),
+    ] {
+        folder.write("s.txt", scene(&all, 502, light));
+        let said = left_out(&folder, &format!("-output o.png {arguments}"));
+        let expected = format!("{hidden} objects: outside a sphere, with the eye and all lights inside of it");
+        assert_eq!(said.contains("outside a sphere"), hidden > 0, "{light} {arguments}: {said}");
+        assert!(hidden == 0 || said.contains(&expected), "{light} {arguments}: {said}");
+        let shown: String =
+            [3, 2, 1].map(|i| format!("Sphere {{ center 0 0 9 radius {i} }} ")).concat() + crossing;
+        let flags = format!("-size 60 60 {arguments}");
+        assert!(
+            folder.render(&scene(&all, 502, light), &flags) == folder.render(&scene(&shown, 4, light), &flags)
+                || hidden == 0,
+            "{light} {arguments}"
+        );
+    }
+}
+
+#[test]
 fn a_copy_of_a_mesh_file_is_read_once() {
     let folder = Folder::new();
     let other = SQUARE_OBJ.replace("v 1 1 0", "v 1 2 0");
