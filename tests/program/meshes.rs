@@ -203,15 +203,13 @@ fn concave_faces_stay_inside_their_outline() {
 fn faces_that_cross_themselves_become_fans_with_one_warning() {
     let corners = "v -8 -8 0\nv 8 8 0\nv 8 -8 0\nv -8 8 0\nv 0 0 20\n";
     let (picture, warning) = warned(&format!("{corners}f 1 3 2 4\n\nf 1 2 3 4\nf 1 2 3 4 # again\n"));
-    let expected = "warning: m.obj:8:1: this polygon crosses itself, has too many corners or is far from flat (and one more like \
-                    it): it becomes a fan of triangles around its first corner\n";
+    let expected = "warning: m.obj:8:1: this polygon crosses or touches itself (and one more like it): it becomes a fan of \
+                    triangles around its first corner\n";
     assert_eq!(warning, expected);
     assert_eq!(picture, rendered(format!("{corners}f 1 3 2 4\n").as_bytes()));
     let (_, warning) = warned(&format!("{corners}f 1 5 3 2 -1 4\n"));
     assert!(
-        warning.starts_with(
-            "warning: m.obj:6:1: this polygon crosses itself, has too many corners or is far from flat"
-        ),
+        warning.starts_with("warning: m.obj:6:1: this polygon is far from flat: it becomes a fan"),
         "{warning}"
     );
 }

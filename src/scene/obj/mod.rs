@@ -196,12 +196,12 @@ fn finish(
     source: impl FnOnce() -> Arc<SourceText>,
 ) -> ObjFile {
     let cuts = polygons::cut(&faces.positions, &mut faces.triangles, &faces.polygons);
-    if cuts.doubtful > 0 {
+    if let Some((face, doubt)) = cuts.first_doubtful {
         let source = source();
-        let place = source.location(place_of_face(&source.text, cuts.first_doubtful));
-        let others = others(cuts.doubtful);
+        let place = source.location(place_of_face(&source.text, face));
+        let (doubt, others) = (doubt.words(), others(cuts.doubtful));
         warnings.push(format!(
-            "{place}: this polygon crosses itself, has too many corners or is far from flat{others}: it becomes a fan of triangles around its first corner"
+            "{place}: this polygon {doubt}{others}: it becomes a fan of triangles around its first corner"
         ));
     }
     counts.vertices = faces.vertices;

@@ -9,7 +9,7 @@
 
 use super::Polygon;
 use super::outline::{cross, normal, rounding, size_of};
-use super::tangled::is_tangled;
+use super::tangled::{Doubt, doubt};
 use earcut::Earcut;
 use rayon::prelude::*;
 
@@ -20,8 +20,8 @@ pub(super) struct Cuts {
     pub concave: usize,
     /// Polygons that cross themselves or are crooked, and stay fans.
     pub doubtful: usize,
-    /// The number of the first one's face.
-    pub first_doubtful: usize,
+    /// The number of the first one's face, and what is the matter with it.
+    pub first_doubtful: Option<(usize, Doubt)>,
 }
 
 /// How a polygon is cut.
@@ -31,7 +31,7 @@ enum Cut {
     /// Triangles of corners by their number in the polygon.
     Inside(Vec<[u32; 3]>),
     /// There is no good way: a fan, too.
-    Doubtful,
+    Doubtful(Doubt),
 }
 
 /// A corner that is farther from the polygon's plane than this part of the polygon's size makes it crooked.
@@ -49,23 +49,24 @@ pub(super) fn cut(positions: &[[f32; 3]], triangles: &mut [[u32; 3]], polygons: 
             Cut::Fan => None,
             Cut::Inside(parts) => {
                 let parts = parts.into_iter().map(|part| part.map(|corner| corners[corner as usize]));
-                Some((*polygon, Some(parts.collect::<Vec<_>>())))
+                Some((*polygon, Ok(parts.collect::<Vec<_>>())))
             }
-            Cut::Doubtful => Some((*polygon, None)),
+            Cut::Doubtful(doubt) => Some((*polygon, Err(doubt))),
         }
     };
     let found: Vec<_> = polygons.par_iter().filter_map(cut_one).collect();
     let mut cuts = Cuts::default();
     for (polygon, parts) in found {
-        if let Some(parts) = parts {
-            triangles[polygon.range()].copy_from_slice(&parts);
-            cuts.concave += 1;
-            continue;
+        match parts {
+            Ok(parts) => {
+                triangles[polygon.range()].copy_from_slice(&parts);
+                cuts.concave += 1;
+            }
+            Err(doubt) => {
+                cuts.first_doubtful.get_or_insert((polygon.face, doubt));
+                cuts.doubtful += 1;
+            }
         }
-        if cuts.doubtful == 0 {
-            cuts.first_doubtful = polygon.face;
-        }
-        cuts.doubtful += 1;
     }
     cuts
 }
@@ -80,7 +81,7 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     let across = normal(points);
     let length = dot(across, across).sqrt();
     if is_crooked(points, across.map(|component| component / length)) {
-        return Cut::Doubtful;
+        return Cut::Doubtful(Doubt::FarFromFlat);
     }
     let flat = projected(points, across);
     // Without an area there is nothing to see of a fan, unless the polygon crosses itself.
@@ -88,13 +89,13 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     if is_convex(&flat) || (length == 0.0 && is_nothing()) {
         return Cut::Fan;
     }
-    if is_tangled(&flat) {
-        return Cut::Doubtful;
+    if let Some(doubt) = doubt(&flat) {
+        return Cut::Doubtful(doubt);
     }
     let mut cut = Vec::new();
     Earcut::new().earcut(flat.iter().copied(), &[], &mut cut);
     let parts = cut.as_chunks().0.to_vec();
-    inside(&flat, parts).map_or(Cut::Doubtful, Cut::Inside)
+    inside(&flat, parts).map_or(Cut::Doubtful(Doubt::CrossesItself), Cut::Inside)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -246,17 +247,19 @@ mod tests {
 
     #[test]
     fn polygons_of_thousands_of_corners_are_cut() {
-        let corner = |i: usize| {
+        let corner = |i: usize, inner: f64| {
             let angle = std::f64::consts::TAU * i as f64 / 5000.0;
-            let radius = if i.is_multiple_of(2) { 10.0 } else { 3.0 };
+            let radius = if i.is_multiple_of(2) { 10.0 } else { inner };
             [radius * angle.cos(), radius * angle.sin()]
         };
-        let points = placed(&(0..5000).map(corner).collect::<Vec<_>>(), false);
-        let Cut::Inside(parts) = cut_points(&points) else { panic!("not cut") };
-        let expected = 2500.0 * 10.0 * 3.0 * (std::f64::consts::TAU / 5000.0).sin();
-        assert!((area(&points, &parts) / expected - 1.0).abs() < 1e-5);
-        let around: Vec<_> = (0..5000).map(|i| corner(1250 * i)).collect();
-        assert_eq!(cut_points(&placed(&around, false)), Cut::Doubtful);
+        for inner in [3.0, 0.1] {
+            let points = placed(&(0..5000).map(|i| corner(i, inner)).collect::<Vec<_>>(), false);
+            let Cut::Inside(parts) = cut_points(&points) else { panic!("not cut") };
+            let expected = 2500.0 * 10.0 * inner * (std::f64::consts::TAU / 5000.0).sin();
+            assert!((area(&points, &parts) / expected - 1.0).abs() < 1e-5);
+        }
+        let around: Vec<_> = (0..5000).map(|i| corner(1250 * i, 3.0)).collect();
+        assert_eq!(cut_points(&placed(&around, false)), Cut::Doubtful(Doubt::CrossesItself));
     }
 
     #[test]
@@ -309,12 +312,16 @@ mod tests {
         });
         for outline in [&bow_tie[..], &uneven_bow_tie, &star] {
             for turned in [false, true] {
-                assert_eq!(cut_points(&placed(outline, turned)), Cut::Doubtful, "{outline:?}");
+                assert_eq!(
+                    cut_points(&placed(outline, turned)),
+                    Cut::Doubtful(Doubt::CrossesItself),
+                    "{outline:?}"
+                );
             }
         }
         let height = |corner: usize| if corner.is_multiple_of(2) { 1.0 } else { -1.0 };
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let crooked: Vec<_> = square.iter().enumerate().map(|(i, [x, y])| [*x, *y, height(i)]).collect();
-        assert_eq!(cut_points(&crooked), Cut::Doubtful);
+        assert_eq!(cut_points(&crooked), Cut::Doubtful(Doubt::FarFromFlat));
     }
 }
