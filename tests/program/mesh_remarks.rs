@@ -38,28 +38,40 @@ fn slips_of_keywords_are_found() {
         ("# F 1 2 3\n V -1 0 0\nF 1/1 2/2 3/3\n", "7:2", "V", " (and one more like it)"),
         ("v2 3 4 5\nv-1 0 0\nV.5 1 1\nf-1 -2 -3\n", "6:1", "v2", " (and 3 more like it)"),
         ("FO 1 2 3\n", "6:1", "FO", ""),
-        ("<<<<<<< HEAD\n=======\n>>>>>>> other\n", "6:1", "<<<<<<<", ""),
+        ("f: 1 3 4\n", "6:1", "f:", ""),
+        ("f,1,3,4\nface 1 2 3\n", "6:1", "f,1,3,4", " (and one more like it)"),
+        ("f/1 3 4\n", "6:1", "f/1", ""),
+        ("quad 1 2 3 4\nvx 1 2 3\n", "6:1", "quad", " (and one more like it)"),
+        ("1 3 4\n  (f 1 3 4)\n", "6:1", "1", " (and one more like it)"),
+        ("\u{ff46} 1 3 4\n\u{432} 1 3 4\n", "6:1", "\u{ff46}", " (and one more like it)"),
+        ("<<<<<<< HEAD\n=======\n>>>>>>> other\n", "6:1", "<<<<<<<", " (and 2 more like it)"),
+        ("=======\n", "6:1", "=======", ""),
     ] {
         let expected = format!(
             "warning: m.obj:{place}: '{word}' is no keyword as 'v' and 'f' are, and this line is left out{others}\n"
         );
         assert_eq!(warnings(lines), expected, "{lines}");
     }
-    for lines in
-        ["F\n", "V ray\n", "fa 1 2 3\n", "vx 1 2 3\n", "VN 0 0 1\n", "v2\n", "face 1 2 3\n", "csh -echo 1\n"]
-    {
+    for lines in [
+        "F\n",
+        "V ray\n",
+        "VN 0 0 1\n",
+        "face of a cube\n",
+        "csh -echo 1\n",
+        "Kd 0.8 0.8 0.8\n",
+        "vw 0 0 1\n",
+        "made on Monday\n",
+    ] {
         assert_eq!(warnings(lines), "", "{lines}");
     }
+    // A space of no width is read as one.
+    assert_eq!(warned(&KITE.replace("f ", "\u{200b}f\u{2060} ")), (rendered(KITE.as_bytes()), String::new()));
 }
 
 #[test]
 fn where_no_line_is_read_the_message_says_why() {
     for (text, place, help) in [
-        (
-            "g a\nV 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n",
-            "2:1",
-            "keywords are small letters with a blank behind them",
-        ),
+        ("g a\nV 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n", "2:1", "vertices are written 'v 1 2 3', faces 'f 1 2 3'"),
         ("# all\ncall other.obj\n", "2:1", "'call' names another file, which is not read"),
     ] {
         let message = refusal(text.as_bytes());

@@ -177,7 +177,7 @@ fn no_mesh(source: &Arc<SourceText>) -> Error {
     };
     let message = "this is no OBJ mesh: no line is a vertex ('v') or a face ('f')";
     if let Some(slip) = place_of(Kind::Slip) {
-        return source.error(slip, message).with_note("keywords are small letters with a blank behind them");
+        return source.error(slip, message).with_note("vertices are written 'v 1 2 3', faces 'f 1 2 3'");
     }
     if let Some(call) = place_of(Kind::Call) {
         return source.error(call, message).with_note("'call' names another file, which is not read");

@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn plain_files_are_parsed() {
-        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0 1 1 1 # red\nvt\nv 1 1 .5e0\nv 0 1 0\ng \xe9\nl 1 2 \xe9\np 1 2\tx\n#l\nL 1 2\nfo 1/x 3 4/-9 5// #\n";
+        let text = b"# c\n v 0 0 0\r\nv 9 9 9\nv 1 0 0 1 1 1 # red\nvt\nv 1 1 .5e0\nv 0 1 0\ng \xe9\nl 1 2 \xe9\np 1 2\tx\n#l\nKd 1 2\nfo 1/x 3 4/-9 5// #\n";
         let faces = read(text).unwrap();
         assert_eq!(faces.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]]);
         assert_eq!(faces.triangles, [[0, 1, 2], [0, 2, 3]]);

@@ -23,14 +23,74 @@ pub(super) enum Kind {
     Curved,
     /// The name of another file to read.
     Call,
-    /// Probably a vertex or a face with a slip in its keyword; also the marks of a merge conflict.
+    /// Probably a vertex or a face with a slip in its keyword: a number with a keyword that OBJ does not have. Also the
+    /// marks of a merge conflict.
     Slip,
     /// Everything else: comments, names, groups, materials, normals, texture coordinates.
     Other,
 }
 
+/// Keywords of what shows in no picture, and those of material files, which are found in meshes, too.
+const NOT_SHOWN: [&str; 52] = [
+    "vn",
+    "vt",
+    "vp",
+    "vw",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "csh",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "res",
+    "newmtl",
+    "Ka",
+    "Kd",
+    "Ks",
+    "Ke",
+    "Ns",
+    "Ni",
+    "Tr",
+    "Tf",
+    "d",
+    "illum",
+    "map_Ka",
+    "map_Kd",
+    "map_Ks",
+    "VN",
+    "VT",
+    "VP",
+    "t",
+    "c",
+];
+
+/// The marks of a merge conflict.
+const CONFLICT: [&str; 3] = ["<<<<<<<", "=======", ">>>>>>>"];
+
 impl Kind {
-    /// What a statement with this keyword is about. A slip is one only with a number behind it.
+    /// What a statement with this keyword is about. A slip is one only with a number.
     pub fn of(keyword: &[u8]) -> Self {
         match keyword {
             b"v" => Self::Vertex,
@@ -39,9 +99,8 @@ impl Kind {
             b"l" => Self::Line,
             b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdc" | b"cdp" => Self::Curved,
             b"call" => Self::Call,
-            b"V" | b"F" | b"FO" | [b'v' | b'V' | b'f' | b'F', b'0'..=b'9' | b'-' | b'+' | b'.', ..] => Self::Slip,
-            [b'<', b'<', b'<', b'<', b'<', b'<', b'<', ..] => Self::Slip,
-            _ => Self::Other,
+            _ if NOT_SHOWN.iter().any(|known| known.as_bytes() == keyword) => Self::Other,
+            _ => Self::Slip,
         }
     }
 }
@@ -67,10 +126,10 @@ struct Line<'a> {
     joints: Vec<(usize, usize)>,
 }
 
-/// Whether a character separates words: white space, a byte order mark where files were joined, and the NUL and Ctrl-Z that
-/// some programs put at the end of a file.
+/// Whether a character separates words: white space, also of no width, a byte order mark where files were joined, and the
+/// NUL and Ctrl-Z that some programs put at the end of a file.
 pub(super) fn separates(c: char) -> bool {
-    c.is_whitespace() || matches!(c, '\0' | '\u{1a}' | '\u{feff}')
+    c.is_whitespace() || matches!(c, '\0' | '\u{1a}' | '\u{200b}' | '\u{2060}' | '\u{feff}')
 }
 
 impl Line<'_> {
@@ -115,10 +174,13 @@ fn word_behind(text: &str, at: usize) -> Option<(usize, usize)> {
     Some((from, to))
 }
 
-/// Whether the word behind `at` begins like a number.
-fn is_number_behind(text: &str, at: usize) -> bool {
+/// Whether a line whose keyword, unknown, ends at `at` is a slip: it has a number, or is the mark of a merge conflict.
+fn is_slip(keyword: &str, text: &str, at: usize) -> bool {
     let is_of_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'-' | b'+' | b'.');
-    word_behind(text, at).is_some_and(|(from, _)| is_of_number(text.as_bytes()[from]))
+    let is_shape = keyword.starts_with(['v', 'V', 'f', 'F']) || is_of_number(keyword.as_bytes()[0]);
+    is_shape && keyword.contains(|c: char| c.is_ascii_digit())
+        || word_behind(text, at).is_some_and(|(from, _)| is_of_number(text.as_bytes()[from]))
+        || CONFLICT.iter().any(|mark| keyword.starts_with(mark))
 }
 
 /// Hands out the statements of a text one by one.
@@ -166,8 +228,9 @@ impl<'a> Iterator for Statements<'a> {
         loop {
             let (text, start, goes_on) = self.next_line()?;
             let Some((from, rest)) = word_behind(text, 0) else { continue };
-            let kind = match Kind::of(&text.as_bytes()[from..rest]) {
-                Kind::Slip if !text[from..].starts_with('<') && !is_number_behind(text, rest) => Kind::Other,
+            let keyword = &text[from..rest];
+            let kind = match Kind::of(keyword.as_bytes()) {
+                Kind::Slip if !is_slip(keyword, text, rest) => Kind::Other,
                 kind => kind,
             };
             let mut line = Line { text: Cow::Borrowed(text), start, joints: Vec::new() };
