@@ -182,7 +182,7 @@ impl Flattened<'_> {
         };
         self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
         let object = Object::new(shape, transform, leaf.material, bounds.as_ref());
-        self.hints.note_too_thin(leaf.span, &object, self.camera);
+        self.hints.note_seen(leaf.span, &object, self.camera);
         self.is_usual &= object.bounds.is_none_or(|bounds| !is_unusual(bounds.max_abs()));
         self.objects.push(object);
         if self.loaded.plan.places {

@@ -6,7 +6,7 @@
 use super::obj::others;
 use crate::camera::Camera;
 use crate::error::{Remarks, SourceText, Span, shown_number};
-use crate::objects::{Aabb, ExtremeSphere, Object, Shape};
+use crate::objects::{Aabb, ExtremeSphere, Object, Plane, Shape, Sphere};
 use crate::options::Epsilon;
 use crate::plan::Plan;
 use vecmath::{Matrix4, Real, UNIT_ROUNDOFF, Vector3, exponent};
@@ -20,6 +20,7 @@ pub(super) struct Hints {
     without_area: Found,
     too_thin: Found,
     too_far: Found,
+    at_an_end: Found,
 }
 
 #[derive(Default)]
@@ -93,12 +94,32 @@ impl Hints {
         }
     }
 
+    /// Notes what a camera sees wrongly.
+    pub fn note_seen(&mut self, place: Span, object: &Object, camera: &Camera) {
+        match &object.shape {
+            Shape::Plane(plane) => self.note_plane_at_an_end(place, object, plane, camera),
+            Shape::Sphere(sphere) | Shape::ExtremeSphere(ExtremeSphere(sphere)) => {
+                self.note_too_thin(place, object, sphere, camera);
+            }
+            Shape::Triangle(_) | Shape::Mesh(_) => {}
+        }
+    }
+
+    /// Notes a plane if products in its test with a ray of length 1 from the eye may leave the range of numbers.
+    fn note_plane_at_an_end(&mut self, place: Span, object: &Object, plane: &Plane, camera: &Camera) {
+        let matrix = object.transform.as_ref().map_or(Matrix4::IDENTITY, |transform| transform.object_from_world);
+        let reach = matrix.linear().abs() * camera.center.map(|x| x.abs() + 1.0) + matrix.offset().map(Real::abs);
+        let largest = (reach.max_abs() * plane.normal.max_abs().max(1.0)).min(Real::MAX);
+        if exponent(largest) > LARGEST_EXPONENT {
+            self.at_an_end.add(place, || at_an_end(largest));
+        }
+    }
+
     /// Notes a sphere that is flattened so much, or so far from the eye, that rays hit or miss it by rounding only. The test of
     /// a sphere has some 16 roundings of the distance in object space.
-    pub fn note_too_thin(&mut self, place: Span, object: &Object, camera: &Camera) {
+    fn note_too_thin(&mut self, place: Span, object: &Object, sphere: &Sphere, camera: &Camera) {
         let Some(bounds) = &object.bounds else { return };
         let eye = camera.center;
-        let (Shape::Sphere(sphere) | Shape::ExtremeSphere(ExtremeSphere(sphere))) = &object.shape else { return };
         let eye_in_object =
             object.transform.as_ref().map_or(eye, |transform| transform.object_from_world.transform_point(eye));
         let distance = (eye_in_object - sphere.center).max_abs() / sphere.radius;
@@ -107,7 +128,9 @@ impl Hints {
         if !is_seen || 16.0 * UNIT_ROUNDOFF * distance <= LOST {
             return;
         }
-        if object.transform.is_some() {
+        if !distance.is_finite() {
+            self.at_an_end.add(place, || at_an_end(Real::MAX));
+        } else if object.transform.is_some() {
             self.too_thin.add(place, || {
                 format!("this sphere is flattened to {:.1e} of its distance", 1.0 / distance as f64)
             });
@@ -132,7 +155,8 @@ impl Hints {
         warnings
             .extend(self.too_thin.sentence(source, ": rays hit or miss it by rounding; two triangles are exact"));
         warnings.extend(self.too_far.sentence(source, ": rays hit or miss it by rounding; a nearer eye sees it"));
-        warnings.extend(of_numbers(objects, camera, source));
+        let at_an_end = || self.at_an_end.sentence(source, ": pixels may be wrong");
+        warnings.extend(of_numbers(objects, camera, source).or_else(at_an_end));
         if !plan.robust && (plan.color || plan.normals) {
             hints.extend(self.unnormalized_planes.sentence(source, ": -robust takes it as one"));
         }
@@ -192,6 +216,12 @@ fn of_numbers(objects: &[Object], camera: &Camera, source: &SourceText) -> Optio
         let largest = largest as f64;
         format!("{path}: coordinates of {largest:.1e} are at the end of the range of numbers, so that pixels may be wrong")
     })
+}
+
+/// Says that numbers of this size occur where rays meet an object.
+fn at_an_end(largest: Real) -> String {
+    let largest = largest as f64;
+    format!("coordinates of {largest:.1e} in the space of this object are at the end of the range of numbers")
 }
 
 /// Returns the smallest extent of an object in world space, or infinity if it is flat and so has no inside. It is

@@ -78,6 +78,34 @@ fn coordinates_at_the_end_of_the_range_are_a_warning() {
     }
 }
 
+/// A plane has no bounds, and the coordinates of a sphere in its own space are not those in the world.
+#[test]
+fn objects_whose_own_space_is_at_the_end_of_the_range_are_a_warning() {
+    let said_of = |object: &str| said(&SCENE.replace(TRIANGLE, object), "-robust");
+    let expected = "in the space of this object are at the end of the range of numbers: pixels may be wrong";
+    for object in [
+        "Transform { UniformScale 1e-308 Plane { normal 0 1 0 offset -1e308 } }",
+        "Transform { UniformScale 1e-307 Plane { normal 0 1 0 offset -1e307 } }",
+        "Transform { Scale 1 1e-308 1 Plane { normal 0 1 0 offset -1e308 } }",
+        "Transform { UniformScale 1e-280 Plane { normal 0 1e30 0 offset -1e308 } }",
+        "Transform { UniformScale 1e-308 Sphere { center 0 0 0 radius 1e308 } }",
+    ] {
+        let said = said_of(object);
+        assert!(said.starts_with("warning: s.txt:5:") && said.contains(expected), "{object}: {said}");
+        assert_eq!(said.lines().count(), 1, "{object}: {said}");
+    }
+    for object in [
+        "Transform { UniformScale 1e-297 Plane { normal 0 1 0 offset -1e297 } }",
+        "Transform { UniformScale 1e300 Plane { normal 0 1 0 offset -1e-300 } }",
+        "Transform { UniformScale 1e-300 Sphere { center 0 0 0 radius 1e300 } }",
+        "Transform { UniformScale 1e-308 Triangle { vertex0 -1e308 0 0 vertex1 1e308 0 0 vertex2 0 1e308 0 } }",
+        "Plane { normal 0 1e300 0 offset -1e300 }",
+        "Plane { normal 0 1 0 offset -1e308 }",
+    ] {
+        assert_eq!(said_of(object), "", "{object}");
+    }
+}
+
 #[test]
 fn a_ray_offset_as_large_as_the_scene_is_a_warning() {
     let flags = |epsilon: &str| format!("-epsilon {epsilon} -shadows -bounces 2");
