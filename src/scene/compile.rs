@@ -12,7 +12,7 @@ use super::mistakes::with_other_mistakes;
 use super::named_files::cube_map;
 use super::obj::MeshFile;
 use super::places::Places;
-use super::transforms::{composed, no_inverse};
+use super::transforms::{composed, no_inverse_of_product};
 use super::{Background, Geometry, LOOP_OBJECTS, Scene};
 use crate::camera::Camera;
 use crate::error::{Error, Remarks, Span, counted};
@@ -174,11 +174,10 @@ impl Flattened<'_> {
         }
         let transform = match world_from_object {
             None => None,
-            Some(matrix) => Some(Box::new(Transform::new(matrix).map_err(|_| {
-                self.loaded
-                    .source
-                    .error(leaf.span, no_inverse("the product of the transforms around this object", matrix))
-            })?)),
+            Some(matrix) => Some(Box::new(
+                Transform::new(matrix)
+                    .map_err(|_| self.loaded.source.error(leaf.span, no_inverse_of_product(matrix)))?,
+            )),
         };
         self.hints.note(leaf.span, &shape, world_from_object, bounds.as_ref());
         let object = Object::new(shape, transform, leaf.material, bounds.as_ref());

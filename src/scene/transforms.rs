@@ -3,7 +3,7 @@
 use crate::error::{Error, SourceText};
 use crate::scene_file::{At, TransformStep};
 use std::sync::Arc;
-use vecmath::{Matrix4, Real};
+use vecmath::{Matrix4, Real, Vector3};
 
 /// Multiplies the steps of a transform. A step multiplies from the right, so the first one is applied last; a
 /// `Matrix4f` multiplies from the left, as in the starter.
@@ -22,9 +22,26 @@ pub(super) fn composed(source: &Arc<SourceText>, steps: &[At<TransformStep>]) ->
     Ok(product)
 }
 
+/// Returns the message for a product of transforms without inverse.
+pub(super) fn no_inverse_of_product(matrix: &Matrix4) -> String {
+    let what = "the product of the transforms around this object";
+    let columns = matrix.linear().columns;
+    // Each factor has an inverse, so a column of zeros has underflowed.
+    let has_left = columns.into_iter().any(|column| column == Vector3::ZERO || !column.is_finite());
+    if has_left || !matrix.offset().is_finite() {
+        return format!("{what} leaves the range of numbers");
+    }
+    no_inverse(what, matrix)
+}
+
 /// Returns the message for a matrix without inverse.
-pub(super) fn no_inverse(what: &str, matrix: &Matrix4) -> String {
+fn no_inverse(what: &str, matrix: &Matrix4) -> String {
+    /// Matrices with a lower condition number have an inverse, if its entries are numbers.
+    const REGULAR: Real = 1.0 / (64.0 * Real::EPSILON);
     let condition = matrix.linear().condition_number();
+    if condition < REGULAR {
+        return format!("the inverse of {what} is beyond the range of numbers");
+    }
     format!("{what} squashes space flat: its matrix has no inverse (condition number {condition:.1e})")
 }
 

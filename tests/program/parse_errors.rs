@@ -133,6 +133,22 @@ fn mistakes_are_found_with_line_and_column() {
             "s.txt:3:50: this transformation squashes space flat",
         ),
         (
+            "Group { numObjects 1 MaterialIndex 0 Transform { UniformScale 1e-309 Plane { normal 0 1 0 offset 1 } } }",
+            "s.txt:3:50: the inverse of this transformation is beyond the range of numbers",
+        ),
+        (
+            "Group { numObjects 1 MaterialIndex 0 Transform { UniformScale 1e-150 UniformScale 1e-159 Plane { normal 0 1 0 offset 1 } } }",
+            "s.txt:3:90: the inverse of the product of the transforms around this object is beyond the range of numbers",
+        ),
+        (
+            "Group { numObjects 1 MaterialIndex 0 Transform { UniformScale 1e-200 UniformScale 1e-200 Plane { normal 0 1 0 offset 1 } } }",
+            "s.txt:3:90: the product of the transforms around this object leaves the range of numbers",
+        ),
+        (
+            "Group { numObjects 1 MaterialIndex 0 Transform { UniformScale 1e200 UniformScale 1e200 Plane { normal 0 1 0 offset 1 } } }",
+            "s.txt:3:88: the product of the transforms around this object leaves the range of numbers",
+        ),
+        (
             "Group { numObjects 1 MaterialIndex 0 Sphere { center 0 0 0 radius -1 } }",
             "s.txt:3:60: 'radius' must be above 0",
         ),
