@@ -6,14 +6,14 @@ use crate::options::format_of_numbers;
 use crate::picture_file::{checksum, has_right_checksums};
 use png::Decoder;
 use std::fs::File;
-use std::io::{self, BufReader, Read as _};
+use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 /// The keyword of the text chunk.
 pub(super) const KEYWORD: &str = "a2 part";
 
 /// Returns the file beside a picture of numbers that holds its label; `None` for a PNG, which holds it itself.
-pub(super) fn file_beside(picture: &Path) -> Option<PathBuf> {
+pub fn file_beside(picture: &Path) -> Option<PathBuf> {
     let mut name = picture.as_os_str().to_owned();
     name.push(".part");
     format_of_numbers(picture).map(|_| name.into())
@@ -48,12 +48,13 @@ fn read_beside(picture: &Path) -> Option<(String, u32)> {
     Some((label.to_owned(), u32::from_str_radix(checksum.trim_end(), 16).ok()?))
 }
 
-/// Returns whether a picture file with a label is as it was written: no byte is missing or has changed.
+/// Returns whether a picture file with a label is as it was written: no byte is missing or has changed, and
+/// none stands behind its end.
 pub fn is_whole(picture: &Path) -> bool {
-    let Ok(file) = File::open(picture).map(BufReader::new) else { return false };
+    let Ok(mut file) = File::open(picture).map(BufReader::new) else { return false };
     let is_whole = match file_beside(picture) {
         Some(_) => checksum(file).map(|found| read_beside(picture).is_some_and(|(_, written)| written == found)),
-        None => has_right_checksums(file),
+        None => has_right_checksums(&mut file).and_then(|right| Ok(right && file.fill_buf()?.is_empty())),
     };
     is_whole.is_ok_and(|is_whole| is_whole)
 }

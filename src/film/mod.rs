@@ -11,7 +11,7 @@ mod picture_writer;
 mod png;
 
 pub use canvas::{CHARACTER_HEIGHT, CHARACTER_WIDTH, Canvas, Rgb, false_color};
-pub use label::{is_whole, read_label};
+pub use label::{file_beside, is_whole, read_label};
 pub use numbers::{NumberPicture, encode_numbers, read_numbers};
 pub use picture_writer::{PictureWriter, Plane};
 pub use png::{encode_png, write_png};

@@ -5,7 +5,7 @@ mod cover;
 mod part_reader;
 
 use crate::error::Error;
-use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, is_whole, read_label};
+use crate::film::{BandWriter as _, Film, PictureWriter, Plane, Planes, file_beside, is_whole, read_label};
 use crate::options::{MergeOptions, Region, format_of_numbers};
 use crate::output::{self, OutputFile};
 use crate::part::Label;
@@ -61,14 +61,7 @@ fn labels(output: &Path, parts: &[PathBuf]) -> Result<Vec<Label>, Error> {
             return Err(Error::file(path, format!("its name must end as that of '{}'", output.display())));
         }
         let label = read_label(path).as_deref().and_then(Label::parse);
-        let label = label.ok_or_else(|| {
-            // Whether it is there at all comes first.
-            let message = match std::fs::metadata(path) {
-                Err(error) => format!("cannot read this part: {error}"),
-                Ok(_) => "this is no part of a picture: -region, -tile or -skip-done make parts".to_owned(),
-            };
-            Error::file(path, message)
-        })?;
+        let label = label.ok_or_else(|| Error::file(path, without_label(path)))?;
         if let Some(difference) = labels.first().and_then(|first| label.difference(first)) {
             let message = format!("this is no part of the picture of '{}': {difference}", parts[0].display());
             return Err(Error::file(path, message));
@@ -79,6 +72,21 @@ fn labels(output: &Path, parts: &[PathBuf]) -> Result<Vec<Label>, Error> {
         labels.push(label);
     }
     Ok(labels)
+}
+
+/// Says why no label of a part can be read.
+fn without_label(path: &Path) -> String {
+    // Whether it is there at all comes first.
+    if let Err(error) = std::fs::metadata(path) {
+        return format!("cannot read this part: {error}");
+    }
+    let or_else = match file_beside(path) {
+        Some(label) if label.exists() => format!(", or its label in '{}' is damaged", label.display()),
+        Some(label) => format!(", or was copied without its label, the file '{}'", label.display()),
+        None if !is_whole(path) => ", or it is damaged or was copied in part".to_owned(),
+        None => String::new(),
+    };
+    format!("this is no part of a picture{or_else}: -region, -tile or -skip-done make parts")
 }
 
 fn refusal(problem: &Problem, parts: &[PathBuf], places: &[Region]) -> Error {

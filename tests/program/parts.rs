@@ -184,6 +184,43 @@ fn a_part_that_is_cut_short_is_an_error() {
     }
 }
 
+/// Parts of numbers have their label in a file of its own, and PNGs in themselves: the message says which is missing.
+#[test]
+fn what_is_wrong_with_a_part_is_said_in_every_format() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let damaged = "this part is damaged, or was copied in part: make it again";
+    let formats = ["png", "pfm", "exr"].into_iter().filter(|&format| format != "exr" || cfg!(feature = "exr"));
+    for format in formats {
+        succeeds(&folder, &format!("-input s.txt -size 40 30 -output p.{format} -tile 1/1"));
+        let (name, label) = (format!("t.{format}"), format!("t.{format}.part"));
+        let whole = std::fs::read(folder.path(&format!("p.{format}"))).unwrap();
+        let is_refused = |bytes: &[u8], expected: &str| {
+            folder.write(&name, bytes);
+            let run = folder.a2(&format!("-merge o.{format} {name}"));
+            assert_eq!(run.exit_code, 1, "{}", run.stderr);
+            assert!(run.stderr.starts_with(&format!("error: {name}: {expected}")), "{expected}: {}", run.stderr);
+        };
+        let shorter = &whole[..whole.len() - 30];
+        if format == "png" {
+            let message = "this is no part of a picture, or it is damaged or was copied in part: -region";
+            is_refused(&whole[..60], message);
+            is_refused(b"", message);
+        } else {
+            let message =
+                format!("this is no part of a picture, or was copied without its label, the file '{label}'");
+            is_refused(shorter, &message);
+            folder.write(&label, "no label");
+            is_refused(&whole, &format!("this is no part of a picture, or its label in '{label}' is damaged"));
+            std::fs::copy(folder.path(&format!("p.{format}.part")), folder.path(&label)).unwrap();
+        }
+        is_refused(shorter, damaged);
+        is_refused(&[&whole[..], b"\n"].concat(), damaged);
+        folder.write(&name, &whole);
+        succeeds(&folder, &format!("-merge o.{format} {name}"));
+    }
+}
+
 #[test]
 fn a_damaged_part_is_not_joined_and_is_made_again() {
     let folder = Folder::new();
