@@ -5,8 +5,11 @@ use crate::file_kind;
 use crate::input::read_whole;
 use crate::options::has_extension;
 use crc32fast::Hasher;
+#[cfg(feature = "exr")]
+use exr::meta::attribute::ChannelDescription;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, Limits};
+use std::error::Error as _;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read as _, Result as IoResult};
 use std::path::Path;
@@ -209,7 +212,8 @@ pub fn of_another_kind(kind: &str, bytes: &[u8]) -> String {
 /// Checks that a palette ends with a whole colour: the library panics in the middle of one.
 fn check_palette(bytes: &[u8]) -> Result<(), String> {
     let reader = png::Decoder::new(Cursor::new(bytes)).read_info();
-    let reader = reader.map_err(|error| format!("cannot read this picture: {error}"))?;
+    let reader = reader
+        .map_err(|error| format!("cannot read this picture: {}", with_names_of_chunks(&error.to_string())))?;
     match &reader.info().palette {
         Some(palette) if palette.len() % 3 != 0 => {
             Err("this PNG is broken: its palette ends in the middle of a colour".to_owned())
@@ -224,9 +228,29 @@ fn exr_decoder(bytes: Vec<u8>) -> Result<(Box<dyn ImageDecoder>, u64), String> {
     if !bytes.starts_with(file_kind::EXR_MARK) {
         return Err(of_another_kind("EXR", &bytes));
     }
+    check_channels(&bytes)?;
     let file_bytes = bytes.len() as u64;
     let decoder = image::codecs::openexr::OpenExrDecoder::new(Cursor::new(bytes));
     Ok((Box::new(decoder.map_err(|error| unreadable(&error, None))?), file_bytes))
+}
+
+/// Checks that some part of an EXR file has the channels of a colour. What is wrong with its head, the decoder says.
+#[cfg(feature = "exr")]
+fn check_channels(bytes: &[u8]) -> Result<(), String> {
+    /// Channels that a message names.
+    const MOST: usize = 8;
+    let Ok(meta) = exr::meta::MetaData::read_from_buffered(bytes, false) else { return Ok(()) };
+    let parts = meta.headers.iter().map(|header| &header.channels.list);
+    let is_color = |part: &[ChannelDescription]| {
+        ["R", "G", "B"].into_iter().all(|needed| part.iter().any(|channel| channel.name.eq(needed)))
+    };
+    let mut names = parts.clone().flatten().map(|channel| channel.name.to_string()).peekable();
+    if parts.clone().any(|part| is_color(part)) || names.peek().is_none() {
+        return Ok(());
+    }
+    let shown = names.by_ref().take(MOST).collect::<Vec<_>>().join(", ");
+    let more = if names.next().is_some() { ", ..." } else { "" };
+    Err(format!("this EXR picture has the channels {shown}{more}: those named R, G and B are needed"))
 }
 
 fn accessed<T>(result: IoResult<T>) -> Result<T, String> {
@@ -241,8 +265,23 @@ fn unreadable(error: &ImageError, extra: Option<u64>) -> String {
                 "this picture needs more than {extra} bytes of memory, the limit, for what it holds beside its pixels"
             )
         }
-        _ => format!("cannot read this picture: {error}"),
+        _ => {
+            // The source says what is wrong, the error itself only where the library found it.
+            let said = error.source().map_or_else(|| error.to_string(), ToString::to_string);
+            format!("cannot read this picture: {}", with_names_of_chunks(&said))
+        }
     }
+}
+
+/// Returns what the library says with the name of a PNG's chunk, which it shows as `ChunkType { type: IHDR, critical: true, ... }`.
+fn with_names_of_chunks(said: &str) -> String {
+    let parts = || {
+        let (before, rest) = said.split_once("ChunkType { type: ")?;
+        let (name, rest) = rest.split_once(", ")?;
+        let (_, after) = rest.split_once(" }")?;
+        Some(format!("{before}{name}{after}"))
+    };
+    parts().unwrap_or_else(|| said.to_owned())
 }
 
 #[cfg(test)]

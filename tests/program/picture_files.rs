@@ -95,6 +95,46 @@ fn an_exr_that_claims_too_much_is_refused() {
     assert!(run.stderr.contains("this picture claims 8000 x 4000 pixels"), "{}", run.stderr);
 }
 
+/// An EXR file lists each channel with its name, NUL and 16 bytes.
+#[cfg(feature = "exr")]
+#[test]
+fn channels_of_an_exr_that_are_no_colours_are_named() {
+    let folder = Folder::new();
+    let scene = crate::support::project("data/scene01_plane.txt").display().to_string();
+    assert_eq!(folder.a2(&format!("-input {scene} -size 9 7 -output r.exr")).exit_code, 0);
+    let whole = std::fs::read(folder.path("r.exr")).unwrap();
+    let name = b"chlist\0";
+    let at = whole.windows(name.len()).position(|window| window == name).unwrap() + name.len();
+    let size = u32::from_le_bytes(*whole[at..].first_chunk().unwrap()) as usize;
+    let (before, after) = (&whole[..at], &whole[at + 4 + size..]);
+    let channel = &whole[at + 4 + 2..][..16];
+    for (names, shown) in [
+        ("Y", "Y"),
+        ("G R", "G, R"),
+        ("l.B l.G l.R", "l.B, l.G, l.R"),
+        ("a b c d e f g h", "a, b, c, d, e, f, g, h"),
+        ("a b c d e f g h i", "a, b, c, d, e, f, g, h, ..."),
+    ] {
+        let list: Vec<u8> = names.split(' ').flat_map(|name| [name.as_bytes(), b"\0", channel].concat()).collect();
+        let bytes = [before, &(list.len() as u32 + 1).to_le_bytes(), &list, b"\0", after].concat();
+        folder.write("n.exr", bytes);
+        let run = fails(&folder, "-compare n.exr r.exr");
+        let expected = format!("has the channels {shown}: those named R, G and B are needed\n");
+        assert!(run.stderr.ends_with(&expected), "{names}: {}", run.stderr);
+    }
+}
+
+/// The library shows a chunk with all that it knows of it.
+#[test]
+fn a_chunk_is_called_by_its_name() {
+    let folder = Folder::new();
+    let small = png();
+    folder.write("a.png", [&small[..8 + 25], &small[8..]].concat()).write("b.png", &small);
+    let run = fails(&folder, "-compare a.png b.png");
+    let expected = "error: a.png: cannot read this picture: Chunk IHDR must appear at most once.\n";
+    assert_eq!(run.stderr, expected);
+}
+
 /// Compares a picture with the same one that has this chunk, too.
 fn assert_does_no_harm(chunk: &[u8]) {
     let folder = Folder::new();
