@@ -132,7 +132,7 @@ pub fn write_findings(options: &Options, report: &Report) -> Result<(), Error> {
     }
     let missed = measure.target_error.filter(|&target| !report.is_below(target));
     if let Some(target) = missed {
-        say(&format!("warning: the target error of {target} levels was not reached\n"));
+        say(&format!("warning: the target error of {} levels was not reached\n", shown_number(target)));
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::typed::{Typed, must_be_a_picture, usage_error};
 use crate::error::Error;
-use crate::options::{MergeOptions, Options, Region};
+use crate::options::{MAX_SIDE, MergeOptions, Options, Region};
 use std::path::PathBuf;
 
 /// Parses `-region` or `-tile`, for a picture of this size.
@@ -13,7 +13,8 @@ pub(super) fn region(typed: &Typed, size: (u32, u32)) -> Result<Option<Region>, 
     if typed.has("tile") {
         return tile(typed, size).map(Some);
     }
-    let number = |index| typed.number("region", index, "four whole numbers: X Y W H", |_: &u32| true);
+    let expected = format!("four whole numbers from 0 to {MAX_SIDE}: X Y W H");
+    let number = |index| typed.number("region", index, &expected, |n: &u32| *n <= MAX_SIDE);
     let (Some(x), Some(row), Some(width), Some(height)) = (number(0)?, number(1)?, number(2)?, number(3)?) else {
         return Ok(None);
     };
