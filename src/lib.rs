@@ -288,7 +288,7 @@ fn render_pictures(
     let is_written = !options.keeps_film() && !pictures.is_empty();
     let writers = pictures.iter_mut().map(|picture| picture as &mut dyn BandWriter);
     let mut curves = None;
-    let mut frame = if options.pictures().next().is_none() {
+    let mut frame = if options.pictures().next().is_none() && !options.renders_colors() {
         Frame::empty()
     } else if options.measure.is_adaptive() && is_written {
         render::render_adaptive_bands(scene, plan, options, limit, writers.collect(), &progress)?

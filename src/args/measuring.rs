@@ -37,12 +37,11 @@ pub(super) fn options(typed: &Typed) -> Result<MeasureOptions, Error> {
     }
 }
 
-/// Returns the first given flag that measures colours and so needs a colour picture.
+/// Returns the first given flag that measures colours and so needs a colour picture. `-convergence` renders its own.
 pub(super) fn needs_color(options: &MeasureOptions) -> Option<&'static str> {
     let flags = [
         ("error-map", options.error_map.is_some()),
         ("reference", options.reference.is_some()),
-        ("convergence", options.convergence.is_some()),
         ("target-error", options.target_error.is_some()),
     ];
     flags.into_iter().find(|flag| flag.1).map(|flag| flag.0)

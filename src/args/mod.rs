@@ -110,13 +110,14 @@ fn options(typed: &Typed) -> Result<Options, Error> {
         check: typed.has("check"),
         measure: measuring::options(typed)?,
     };
-    if let (Some(flag), None) = (measuring::needs_color(&options.measure), &options.color) {
+    if let (Some(flag), false) = (measuring::needs_color(&options.measure), options.renders_colors()) {
         return Err(usage_error(flag, "is about colours: give -output too"));
     }
     pixels::check(&options)?;
-    let shows_something = options.cost.is_some() || !options.pixels.is_empty() || options.check;
+    let shows_something =
+        options.renders_colors() || options.cost.is_some() || !options.pixels.is_empty() || options.check;
     if options.pictures().next().is_none() && !shows_something {
-        let message = "no picture is asked for: give -output, -depth or -normals (or -check)";
+        let message = "no picture is asked for: give -output, -depth or -normals (or -convergence, or -check)";
         return Err(Error::Usage(message.into()));
     }
     check_region(&options)?;

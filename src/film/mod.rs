@@ -35,7 +35,7 @@ impl Planes {
     pub fn wanted_by(options: &Options) -> Self {
         Self {
             // A file of numbers needs no bytes.
-            color: options.color.is_some() && (!options.color_is_numbers() || options.keeps_film()),
+            color: options.renders_colors() && (!options.color_is_numbers() || options.keeps_film()),
             depth: options.depth.is_some(),
             normals: options.normals.is_some(),
             linear: options.keeps_linear(),

@@ -113,7 +113,7 @@ impl Report {
                  details that no sample met: below {unseen:.4} with 95%\n",
                 levels.rmse, levels.low, levels.high, linear.rmse
             ),
-            None if options.color.is_none() => "estimated    no error: no colours are asked for\n".to_owned(),
+            None if !options.renders_colors() => "estimated    no error: no colours are asked for\n".to_owned(),
             None if options.jitter => "estimated    no error: too few samples to tell\n".to_owned(),
             None => "estimated    no error: nothing is random (give -jitter or -samples)\n".to_owned(),
         };

@@ -93,10 +93,15 @@ impl Options {
         files.into_iter().filter_map(|(flag, path)| Some((flag, path?.as_path())))
     }
 
+    /// Returns whether a picture of colours is rendered: for a file, or for the curves of its error.
+    pub fn renders_colors(&self) -> bool {
+        self.color.is_some() || self.measure.convergence.is_some()
+    }
+
     /// Returns whether colours are computed: for a picture, or to show how a pixel gets its colour and what it costs. What
     /// they need is what -check reads.
     pub fn wants_colors(&self) -> bool {
-        self.color.is_some() || self.check || self.cost.is_some() || !self.pixels.is_empty()
+        self.renders_colors() || self.check || self.cost.is_some() || !self.pixels.is_empty()
     }
 
     /// Returns the number of samples for each pixel of the traced grid.
@@ -152,7 +157,7 @@ impl Options {
     /// Returns whether colours are kept as numbers, for a file or for a comparison.
     pub fn keeps_linear(&self) -> bool {
         let wanted = self.color_is_numbers() || self.measure.reference.is_some() || self.measure.keep_linear;
-        wanted && self.color.is_some()
+        wanted && self.renders_colors()
     }
 }
 

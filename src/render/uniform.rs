@@ -250,7 +250,7 @@ impl<'a> TileRenderer<'a> {
 
 /// Returns whether the error of the picture is to be estimated, and can be.
 fn wants_estimate(options: &Options) -> bool {
-    options.measure.wants_estimate() && options.samples() > 1 && options.color.is_some()
+    options.measure.wants_estimate() && options.samples() > 1 && options.renders_colors()
 }
 
 fn set_kind(options: &Options) -> SetKind {

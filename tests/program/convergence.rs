@@ -137,6 +137,32 @@ fn convergence_is_a_page_that_needs_no_other_file() {
     );
 }
 
+/// The curves need colours, but no file of them.
+#[test]
+fn convergence_needs_no_other_picture() {
+    let folder = Folder::new();
+    folder.write("s.txt", SCENE);
+    let flags = "-input s.txt -size 30 30 -samples 8 -seed 3";
+    succeeds(&folder, &format!("{flags} -convergence with.csv -output o.png"));
+    for (name, other) in [("c.csv", ""), ("n.csv", "-normals n.png"), ("r.csv", "-reference o.png")] {
+        succeeds(&folder, &format!("{flags} -convergence {name} {other}"));
+        for (with, without) in table(&folder, "with.csv").iter().zip(&table(&folder, name)) {
+            for column in ["sampler", "samples", "rays", "estimated_rmse_levels"] {
+                assert_eq!(with[column], without[column], "{name}: {column}");
+            }
+            assert_eq!(without["true_rmse_levels"].is_empty(), name != "r.csv", "{name}");
+        }
+        assert!(table(&folder, name).len() > 3 * 4, "{name}");
+    }
+    succeeds(&folder, &format!("{flags} -convergence c.svg -quiet"));
+    assert!(elements(&std::fs::read_to_string(folder.path("c.svg")).unwrap()).contains(&"polyline"));
+    succeeds(&folder, &format!("{flags} -convergence c.html -quiet"));
+    let page = std::fs::read_to_string(folder.path("c.html")).unwrap();
+    assert_eq!(page.matches("<img ").count(), 2);
+    let files = ["c.csv", "c.html", "c.svg", "n.csv", "n.png", "o.png", "r.csv", "s.txt", "with.csv"];
+    assert_eq!(folder.files(), files);
+}
+
 /// One sample says nothing of its error.
 #[test]
 fn convergence_of_one_sample_has_no_curves() {
