@@ -90,17 +90,24 @@ fn kite_at(x: f64, y: f64, z: f64) -> String {
 #[test]
 fn a_small_mesh_far_away_is_rounded_with_a_warning() {
     let far = kite_at(500_123.25, 4_649_776.5, 30.0);
-    let expected = "warning: m.obj: coordinates are rounded to steps of 0.5, for they go up to 4649778.0, and this mesh is only \
-                    6.0e0 across: subtract 500123.25 4649776.0 30.0 from its vertices, and either from camera and lights, \
+    let expected = "warning: m.obj: coordinates that go up to 4649778.0 are rounded to steps of 0.5, and triangles there are only \
+                    4.0e0 long: subtract 500123.25 4649776.0 30.0 from its vertices, and either from camera and lights, \
                     too, or move the mesh back by Translate 500123.25 4649776.0 30.0\n";
     for text in [far.clone(), far.replace("1 2 3 4", "-4 -3 -2 -1"), far.replace('\n', " # a comment\n")] {
         let (_, warnings) = warned(&text);
         assert_eq!(warnings, expected, "{text}");
     }
-    // Neighbours of 600 are 6.1e-5 apart, of 1,200 twice as much; the kite is 6 across.
+    // Neighbours of 240,000 are 1/64 apart, of 280,000 twice as much; edges of the kite are 4 long. Beside it stand others.
+    let others = "v 90000 0 0\nv 90000 9 0\nv 90000 0 9\n".to_owned() + &"f 1 2 3\n".repeat(7);
     for (text, is_warned) in [
-        (kite_at(600.0, 0.0, 0.0), false),
-        (kite_at(0.0, -1200.0, 0.0), true),
+        (kite_at(240_000.0, 0.0, 0.0), false),
+        (kite_at(0.0, -280_000.0, 0.0), true),
+        (others.clone() + &kite_at(280_000.0, 0.0, 0.0).replace("1 2 3 4", "4 5 6 7"), false),
+        (
+            others.replace("f 1 2 3\nf 1 2 3\n", "f 1 2 3\n")
+                + &kite_at(280_000.0, 0.0, 0.0).replace("1 2 3 4", "4 5 6 7"),
+            true,
+        ),
         (kite_at(0.0, 0.0, 4_649_776.0), false),
         (KITE.replace("f 1", "v 4649776 0 0\nf 1"), false),
         (KITE.replace("v 0 1.5 0", "v 0 9999999 0"), false),
@@ -108,8 +115,17 @@ fn a_small_mesh_far_away_is_rounded_with_a_warning() {
         ("v 1e38 0 0\nv 3e38 1e38 0\nv 3.4e38 0 0\nf 1 2 3\n".to_owned(), false),
     ] {
         let (_, warnings) = warned(&text);
-        assert_eq!(warnings.contains("coordinates are rounded to steps of"), is_warned, "{text}{warnings}");
+        assert_eq!(warnings.contains("are rounded to steps of"), is_warned, "{text}{warnings}");
     }
+}
+
+#[test]
+fn parts_of_a_mesh_that_are_far_apart_are_better_files_of_their_own() {
+    let (_, warnings) = warned(&(KITE.to_owned() + &kite_at(1e6, 0.0, 0.0).replace("1 2 3 4", "5 6 7 8")));
+    let expected = "warning: m.obj: coordinates that go up to 1000002.0 are rounded to steps of 0.0625, and triangles there are \
+                    only 4.0e0 long: give parts that are far apart files of their own, near the origin, and move them by \
+                    Translate\n";
+    assert_eq!(warnings, expected);
 }
 
 #[test]

@@ -212,7 +212,7 @@ fn finish(
     (counts.points, counts.lines) = (faces.points, faces.lines);
     warnings.extend(extent::without_area(path, &faces.positions, &faces.triangles));
     let mesh = Mesh::without_normals(faces.positions, faces.triangles);
-    warnings.extend(extent::rounded_away(path, mesh.bounds()));
+    warnings.extend(extent::rounded_away(path, &mesh));
     ObjFile { mesh, counts, warnings }
 }
 
