@@ -7,7 +7,7 @@
 pub(super) const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// How many bytes are looked at to recognise UTF-16 without a mark.
-const LOOKED_AT: usize = 64;
+const LOOKED_AT: usize = 512;
 
 /// Decodes the bytes of a text file. A CR without LF ends a line, as on old machines, and becomes LF.
 pub(super) fn decode(bytes: &[u8]) -> String {
@@ -40,18 +40,14 @@ fn utf16_units(bytes: &[u8]) -> Option<impl Iterator<Item = u16>> {
     Some(body.chunks_exact(2).map(unit))
 }
 
-/// Recognises UTF-16 without a mark: what OBJ files consist of is ASCII, so every other byte is 0.
+/// Recognises UTF-16 without a mark: most of what OBJ files consist of is ASCII, so every other byte is 0. No byte of UTF-8 is.
 fn is_big_endian(bytes: &[u8]) -> Option<bool> {
-    let start = &bytes[..bytes.len().min(LOOKED_AT) & !1];
-    if start.len() < 4 {
-        return None;
-    }
-    let all =
-        |first: bool, second: bool| start.chunks(2).all(|pair| (pair[0] == 0, pair[1] == 0) == (first, second));
-    if all(true, false) {
-        return Some(true);
-    }
-    all(false, true).then_some(false)
+    let pairs = bytes[..bytes.len().min(LOOKED_AT)].as_chunks::<2>().0;
+    let count = |of_zeros: [bool; 2]| pairs.iter().filter(|pair| pair.map(|byte| byte == 0) == of_zeros).count();
+    let (big, little) = (count([true, false]), count([false, true]));
+    // Of other letters, as in comments, few have a byte of 0. Zeros may stand at the end of a file.
+    (pairs.len() > 1 && 2 * big.max(little) >= pairs.len() && big.max(little) > 4 * big.min(little))
+        .then_some(big > little)
 }
 
 #[cfg(test)]
@@ -60,8 +56,8 @@ mod tests {
 
     const TEXT: &str = "v 1 2 3 # é\nf 1";
 
-    fn utf16(mark: &[u8], bytes_of: impl Fn(u16) -> [u8; 2]) -> Vec<u8> {
-        mark.iter().copied().chain(TEXT.encode_utf16().flat_map(bytes_of)).collect()
+    fn utf16(text: &str, mark: &[u8], bytes_of: impl Fn(u16) -> [u8; 2]) -> Vec<u8> {
+        mark.iter().copied().chain(text.encode_utf16().flat_map(bytes_of)).collect()
     }
 
     #[test]
@@ -69,8 +65,10 @@ mod tests {
         assert_eq!(decode(TEXT.as_bytes()), TEXT);
         assert_eq!(decode(&[UTF8_MARK, TEXT.as_bytes()].concat()), TEXT);
         for mark in [true, false] {
-            assert_eq!(decode(&utf16(if mark { b"\xff\xfe" } else { b"" }, u16::to_le_bytes)), TEXT);
-            assert_eq!(decode(&utf16(if mark { b"\xfe\xff" } else { b"" }, u16::to_be_bytes)), TEXT);
+            for text in [TEXT, "g 中文\nv 1", "# 一丁丂模型文件\n# by hand\nv 1 2 3\n", "f\n"] {
+                assert_eq!(decode(&utf16(text, if mark { b"\xff\xfe" } else { b"" }, u16::to_le_bytes)), text);
+                assert_eq!(decode(&utf16(text, if mark { b"\xfe\xff" } else { b"" }, u16::to_be_bytes)), text);
+            }
         }
     }
 
