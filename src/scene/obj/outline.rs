@@ -1,4 +1,4 @@
-//! The geometry of a polygon's outline: areas, turns, and how far they may be off.
+//! The geometry of a polygon's outline: areas, turns, how far they may be off, and corners that enclose nothing.
 
 /// A corner's coordinates are off by half a unit in the last place of an `f32`: 2^-24 of themselves.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
@@ -30,4 +30,46 @@ pub(super) fn size_of(flat: &[[f64; 2]]) -> f64 {
 pub(super) fn rounding([a, b, c]: [[f64; 2]; 3], size: f64) -> f64 {
     let edges = [b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]];
     4.0 * ROUNDING * size * edges.iter().map(|edge| edge.abs()).sum::<f64>()
+}
+
+/// Whether the fan around the first corner covers no point twice, up to rounding, as long as the outline goes around once.
+pub(super) fn is_covered_by_fan(flat: &[[f64; 2]], overlap: f64) -> bool {
+    let (mut area, mut backwards, mut around) = (0.0, 0.0, 0.0);
+    for edge in flat.windows(2) {
+        let turned = cross(flat[0], edge[0], edge[1]);
+        area += turned;
+        backwards -= turned.min(0.0);
+        around += (edge[1][0] - edge[0][0]).abs() + (edge[1][1] - edge[0][1]).abs();
+    }
+    backwards <= overlap * area + 4.0 * ROUNDING * size_of(flat) * around
+}
+
+/// Returns the corners of an outline without those that enclose nothing, and the flat triangles that these make: one of two
+/// corners at one place, and the tip where an edge goes there and back.
+pub(super) fn trimmed(flat: &[[f64; 2]]) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let is_same = |a: u32, b: u32| flat[a as usize] == flat[b as usize];
+    let (mut kept, mut removed) = (Vec::<u32>::with_capacity(flat.len()), Vec::new());
+    for corner in 0..flat.len() as u32 {
+        kept.push(corner);
+        while let [.., a, b, c] = kept[..]
+            && (is_same(b, c) || is_same(a, c))
+        {
+            removed.push([a, b, c]);
+            kept.remove(kept.len() - 2);
+        }
+    }
+    // Across the end of the list.
+    let mut ring = &kept[..];
+    while let [first, second, .., before, last] = *ring {
+        if is_same(last, first) || is_same(before, first) {
+            removed.push([before, last, first]);
+            ring = &ring[..ring.len() - 1];
+        } else if is_same(first, second) || is_same(last, second) {
+            removed.push([last, first, second]);
+            ring = &ring[1..];
+        } else {
+            break;
+        }
+    }
+    (ring.to_vec(), removed)
 }

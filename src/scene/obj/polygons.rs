@@ -8,7 +8,7 @@
 //! exactly as the file has them.
 
 use super::Polygon;
-use super::outline::{cross, normal, rounding, size_of};
+use super::outline::{cross, is_covered_by_fan, normal, rounding, size_of, trimmed};
 use super::tangled::{Doubt, doubt};
 use earcut::Earcut;
 use rayon::prelude::*;
@@ -86,16 +86,22 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     let flat = projected(points, across);
     // Without an area there is nothing to see of a fan, unless the polygon crosses itself.
     let is_nothing = || points.windows(2).all(|edge| normal(&[points[0], edge[0], edge[1]]) == [0.0; 3]);
-    if is_convex(&flat) || (length == 0.0 && is_nothing()) {
+    // Small turns, each like rounding, may add up to a notch.
+    if is_convex(&flat) && is_covered_by_fan(&flat, OVERLAP) || (length == 0.0 && is_nothing()) {
         return Cut::Fan;
     }
+    let (kept, mut parts) = trimmed(&flat);
+    let flat: Vec<[f64; 2]> = kept.iter().map(|&corner| flat[corner as usize]).collect();
     if let Some(doubt) = doubt(&flat) {
         return Cut::Doubtful(doubt);
     }
     let mut cut = Vec::new();
     Earcut::new().earcut(flat.iter().copied(), &[], &mut cut);
-    let parts = cut.as_chunks().0.to_vec();
-    inside(&flat, parts).map_or(Cut::Doubtful(Doubt::CrossesItself), Cut::Inside)
+    let Some(cut) = inside(&flat, cut.as_chunks().0.to_vec()) else {
+        return Cut::Doubtful(Doubt::CrossesItself);
+    };
+    parts.extend(cut.into_iter().map(|part| part.map(|corner| kept[corner as usize])));
+    Cut::Inside(parts)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -243,6 +249,39 @@ mod tests {
             [0.0, 3.0],
         ];
         must_be_inside(&comb, 11.0);
+    }
+
+    /// A U without and with corners that enclose nothing, at every start and in both directions: by equal corners, by one
+    /// edge there and back, by several.
+    #[test]
+    fn corners_that_enclose_nothing_change_nothing() {
+        let u = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [3.0, 4.0], [3.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
+        let with = |at: usize, further: &[[f64; 2]]| {
+            let mut outline = u.to_vec();
+            outline.splice(at + 1..at + 1, further.iter().copied());
+            outline
+        };
+        for (at, &here) in u.iter().enumerate() {
+            must_be_inside(&with(at, &[here]), 10.0);
+            must_be_inside(&with(at, &[here, here, here]), 10.0);
+            must_be_inside(&with(at, &[[2.5, 0.5], here]), 10.0);
+            must_be_inside(&with(at, &[[2.5, 0.5], [2.5, 0.25], [2.5, 0.5], here]), 10.0);
+        }
+        must_be_inside(&u.iter().flat_map(|&corner| [corner, corner]).collect::<Vec<_>>(), 10.0);
+    }
+
+    #[test]
+    fn a_notch_of_small_turns_is_cut() {
+        for (count, size, radius) in [(5000_usize, 2.0, 1.8), (700, 50.0, 1.0)] {
+            let around = (0..=count).map(|i| (std::f64::consts::PI * i as f64 / count as f64).sin_cos());
+            let notch = around.map(|(sin, cos)| [radius * cos, size - radius * sin]);
+            let corners =
+                [[-size, -size], [size, -size], [size, size]].into_iter().chain(notch).chain([[-size, size]]);
+            let points = placed(&corners.collect::<Vec<_>>(), false);
+            let Cut::Inside(parts) = cut_points(&points) else { panic!("not cut") };
+            let expected = 4.0 * size * size - 0.5 * std::f64::consts::PI * radius * radius;
+            assert!((area(&points, &parts) - expected).abs() < 1e-4 * radius, "{count}");
+        }
     }
 
     #[test]
