@@ -64,6 +64,15 @@ fn slips_of_keywords_are_found() {
     ] {
         assert_eq!(warnings(lines), "", "{lines}");
     }
+    // What is missing may be what was left out.
+    let commas = KITE.replace(' ', ",").replace("f,1,2,3,4", "f 1 2 3 4");
+    for (text, keyword) in [(KITE.replace('v', "V"), "V"), (commas, "v,-2,0,0")] {
+        let message = refusal(text.as_bytes());
+        let slip = format!(
+            "m.obj:1:1: '{keyword}' is no keyword as 'v' and 'f' are, and this line is left out (and 3 more"
+        );
+        assert!(message.contains("there is no vertex 1: ") && message.contains(&slip), "{message}");
+    }
     // A space of no width is read as one.
     assert_eq!(warned(&KITE.replace("f ", "\u{200b}f\u{2060} ")), (rendered(KITE.as_bytes()), String::new()));
 }

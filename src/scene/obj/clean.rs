@@ -116,7 +116,11 @@ impl Clean {
             }
             count => format!("there is no vertex {word}: the file has {count}, numbered from 1"),
         };
-        source.error(corner, message)
+        let error = source.error(corner, message);
+        match self.left_out.slip(source) {
+            Some(slip) => error.with_note(slip),
+            None => error,
+        }
     }
 
     /// Has `tobj` read the clean text.

@@ -62,6 +62,19 @@ impl LeftOut {
         }
     }
 
+    /// Says where the first line is that is probably meant as a vertex or a face.
+    pub fn slip(&self, source: &SourceText) -> Option<String> {
+        let Found { count, first } = self.slips;
+        (count > 0).then(|| {
+            format!(
+                "{}: '{}' is no keyword as 'v' and 'f' are, and this line is left out{}",
+                source.location(first),
+                cut_short(&source.text[first.start..first.end]),
+                others(count)
+            )
+        })
+    }
+
     /// Says what the file's author should know, beside so many vertices and faces.
     pub fn warnings(&self, source: &SourceText, vertices: usize, faces: usize) -> Vec<String> {
         let mut warnings = Vec::new();
@@ -72,15 +85,7 @@ impl LeftOut {
                 others(self.degenerate.count)
             ));
         }
-        if self.slips.count > 0 {
-            let first = self.slips.first;
-            warnings.push(format!(
-                "{}: '{}' is no keyword as 'v' and 'f' are, and this line is left out{}",
-                source.location(first),
-                cut_short(&source.text[first.start..first.end]),
-                others(self.slips.count)
-            ));
-        }
+        warnings.extend(self.slip(source));
         if faces == 0 {
             let curved = self.shapes.iter().map(|(_, count)| count).sum::<usize>() - self.calls;
             warnings.push(format!(
