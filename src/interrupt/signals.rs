@@ -4,7 +4,7 @@ use super::ENDS_PROCESS;
 use crate::output::{remove_unfinished, remove_unfinished_if_possible, say};
 use crate::timing::{IS_INTERRUPTED, interrupt_rendering};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
-use rustix::process::{Resource, getrlimit};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGXFSZ};
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
@@ -26,6 +26,9 @@ pub fn wait_in_a_thread() {
     let ignored = ignored();
     let is_wanted = |signal: &i32| ignored >> (signal - 1) & 1 == 0;
     let of_time = is_limited(Resource::Cpu).then_some(SIGXCPU);
+    if of_time.is_some() {
+        end_before_time_is_up();
+    }
     let ending = || [SIGINT, SIGTERM, SIGHUP, SIGQUIT].into_iter().chain(of_time).filter(is_wanted);
     if is_limited(Resource::Fsize) {
         // A file that grows too large is an error of writing, not the end. If this fails, it is the end, as without it.
@@ -47,6 +50,16 @@ pub fn wait_in_a_thread() {
 
 fn is_limited(resource: Resource) -> bool {
     getrlimit(resource).current.is_some()
+}
+
+/// Has SIGXCPU come a second before SIGKILL would: after `ulimit -t` both limits are the same, and only SIGKILL comes.
+fn end_before_time_is_up() {
+    let Rlimit { current, maximum } = getrlimit(Resource::Cpu);
+    if let (Some(soft), Some(hard @ 2..)) = (current, maximum)
+        && soft >= hard
+    {
+        let _ = setrlimit(Resource::Cpu, Rlimit { current: Some(hard - 1), maximum });
+    }
 }
 
 fn handle(signal: i32) {

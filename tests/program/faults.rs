@@ -120,12 +120,19 @@ fn nothing_is_left_by_what_cannot_be_handled() {
 fn a_limit_of_processor_time_ends_as_a_signal() {
     let folder = folder_with_scene();
     let arguments = "-input s.txt -output o.png -size 9000 9000 -filter -jitter";
-    let line = format!("ulimit -St 1; exec '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
-    let mut command = Command::new("bash");
-    let output = command.args(["-c", &line]).current_dir(folder.path(".")).output().unwrap();
-    assert_eq!(output.status.signal(), Some(Signal::XCPU.as_raw()), "{}", text(&output));
-    assert!(text(&output).contains("interrupted by SIGXCPU: unfinished files are removed\n"), "{}", text(&output));
-    assert_eq!(folder.files(), ["s.txt"]);
+    // The first one is the limit of SIGKILL, too.
+    for limit in ["-t 2", "-St 1"] {
+        let line = format!("ulimit {limit}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_a2"));
+        let mut command = Command::new("bash");
+        let output = command.args(["-c", &line]).current_dir(folder.path(".")).output().unwrap();
+        assert_eq!(output.status.signal(), Some(Signal::XCPU.as_raw()), "{limit}: {}", text(&output));
+        assert!(
+            text(&output).contains("interrupted by SIGXCPU: unfinished files are removed\n"),
+            "{}",
+            text(&output)
+        );
+        assert_eq!(folder.files(), ["s.txt"]);
+    }
 }
 
 /// Stacks of a tebibyte let no thread be started.
