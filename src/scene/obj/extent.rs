@@ -22,9 +22,11 @@ pub(super) fn rounded_away(path: &Path, mesh: &Mesh) -> Option<String> {
     let is_extended = size.to_array().map(|size| size > 0.0);
     let count = mesh.triangle_count();
     let looked_at = (0..count).step_by(count.div_ceil(MOST_TRIANGLES).max(1));
+    let mut total = 0;
     let extents = looked_at.filter_map(|triangle| Extent::of(mesh.corners(triangle as u32), is_extended));
-    let (rounded, others): (Vec<_>, Vec<_>) = extents.partition(|extent| extent.step > COARSE * extent.longest);
-    if 3 * rounded.len() <= others.len() {
+    let extents = extents.inspect(|_| total += 1);
+    let rounded: Vec<Extent> = extents.filter(|extent| extent.step > COARSE * extent.longest).collect();
+    if 4 * rounded.len() <= total {
         return None;
     }
     let Extent { step, farthest, longest } = rounded.into_iter().max_by(|a, b| a.step.total_cmp(&b.step))?;
