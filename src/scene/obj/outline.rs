@@ -3,6 +3,9 @@
 /// A corner's coordinates are off by half a unit in the last place of an `f32`: 2^-24 of themselves.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
+/// Triangles whose areas add up to more than the polygon's by this part of it overlap.
+pub(super) const OVERLAP: f64 = 1e-5;
+
 /// The vector across a polygon by Newell's method: its length is twice the area.
 pub(super) fn normal(points: &[[f64; 3]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
@@ -32,8 +35,29 @@ pub(super) fn rounding([a, b, c]: [[f64; 2]; 3], size: f64) -> f64 {
     4.0 * ROUNDING * size * edges.iter().map(|edge| edge.abs()).sum::<f64>()
 }
 
+/// Whether a polygon turns left at every corner, up to rounding, and goes around once.
+pub(super) fn is_convex(flat: &[[f64; 2]]) -> bool {
+    let size = size_of(flat);
+    let count = flat.len();
+    let mut turns_of_direction = 0;
+    let mut rightwards = None;
+    for at in 0..=count {
+        let [a, b, c] = [at, at + 1, at + 2].map(|corner| flat[corner % count]);
+        if cross(a, b, c) < -rounding([a, b, c], size) {
+            return false;
+        }
+        let step = b[0] - a[0];
+        if step != 0.0 {
+            turns_of_direction += usize::from(rightwards.is_some_and(|before| before != (step > 0.0)));
+            rightwards = Some(step > 0.0);
+        }
+    }
+    // Small turns to the right, each like rounding, may add up to a notch.
+    turns_of_direction <= 2 && is_covered_by_fan(flat)
+}
+
 /// Whether the fan around the first corner covers no point twice, up to rounding, as long as the outline goes around once.
-pub(super) fn is_covered_by_fan(flat: &[[f64; 2]], overlap: f64) -> bool {
+fn is_covered_by_fan(flat: &[[f64; 2]]) -> bool {
     let (mut area, mut backwards, mut around) = (0.0, 0.0, 0.0);
     for edge in flat.windows(2) {
         let turned = cross(flat[0], edge[0], edge[1]);
@@ -41,7 +65,7 @@ pub(super) fn is_covered_by_fan(flat: &[[f64; 2]], overlap: f64) -> bool {
         backwards -= turned.min(0.0);
         around += (edge[1][0] - edge[0][0]).abs() + (edge[1][1] - edge[0][1]).abs();
     }
-    backwards <= overlap * area + 4.0 * ROUNDING * size_of(flat) * around
+    backwards <= OVERLAP * area + 4.0 * ROUNDING * size_of(flat) * around
 }
 
 /// Returns the corners of an outline without those that enclose nothing, and the flat triangles that these make: one of two

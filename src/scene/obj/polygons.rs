@@ -8,7 +8,7 @@
 //! exactly as the file has them.
 
 use super::Polygon;
-use super::outline::{cross, is_covered_by_fan, normal, rounding, size_of, trimmed};
+use super::outline::{OVERLAP, cross, is_convex, normal, trimmed};
 use super::tangled::{Doubt, doubt};
 use earcut::Earcut;
 use rayon::prelude::*;
@@ -36,9 +36,6 @@ enum Cut {
 
 /// A corner that is farther from the polygon's plane than this part of the polygon's size makes it crooked.
 const CROOKED: f64 = 0.25;
-/// Triangles whose areas add up to more than the polygon's by this part of it overlap.
-const OVERLAP: f64 = 1e-5;
-
 /// Cuts polygons, whose fans stand in `triangles`, as they need it.
 pub(super) fn cut(positions: &[[f32; 3]], triangles: &mut [[u32; 3]], polygons: &[Polygon]) -> Cuts {
     let cut_one = |polygon: &Polygon| {
@@ -86,8 +83,7 @@ fn cut_points(points: &[[f64; 3]]) -> Cut {
     let flat = projected(points, across);
     // Without an area there is nothing to see of a fan, unless the polygon crosses itself.
     let is_nothing = || points.windows(2).all(|edge| normal(&[points[0], edge[0], edge[1]]) == [0.0; 3]);
-    // Small turns, each like rounding, may add up to a notch.
-    if is_convex(&flat) && is_covered_by_fan(&flat, OVERLAP) || (length == 0.0 && is_nothing()) {
+    if is_convex(&flat) || (length == 0.0 && is_nothing()) {
         return Cut::Fan;
     }
     let (kept, mut parts) = trimmed(&flat);
@@ -128,26 +124,6 @@ fn projected(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[f64; 2]> {
         (u, v) = (v, u);
     }
     points.iter().map(|point| [point[u], point[v]]).collect()
-}
-
-/// Whether a polygon turns left at every corner, up to rounding, and goes around once.
-fn is_convex(flat: &[[f64; 2]]) -> bool {
-    let size = size_of(flat);
-    let count = flat.len();
-    let mut turns_of_direction = 0;
-    let mut rightwards = None;
-    for at in 0..=count {
-        let [a, b, c] = [at, at + 1, at + 2].map(|corner| flat[corner % count]);
-        if cross(a, b, c) < -rounding([a, b, c], size) {
-            return false;
-        }
-        let step = b[0] - a[0];
-        if step != 0.0 {
-            turns_of_direction += usize::from(rightwards.is_some_and(|before| before != (step > 0.0)));
-            rightwards = Some(step > 0.0);
-        }
-    }
-    turns_of_direction <= 2
 }
 
 /// Puts the corners back that `parts` leave out; `None` if the triangles are then not what is inside of the polygon.
