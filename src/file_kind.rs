@@ -181,6 +181,21 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
     count > 0 && triangles.len() as u64 == 50 * u64::from(count)
 }
 
+/// Recognises UTF-16 without a mark: most of what scenes and meshes consist of is ASCII, so every other byte is 0. No byte of UTF-8 is.
+pub fn utf16_is_big_endian(bytes: &[u8]) -> Option<bool> {
+    const LOOKED_AT: usize = 512;
+    let start = &bytes[..bytes.len().min(LOOKED_AT)];
+    if !start.contains(&0) {
+        return None;
+    }
+    let pairs = start.as_chunks::<2>().0;
+    let count = |of_zeros: [bool; 2]| pairs.iter().filter(|pair| pair.map(|byte| byte == 0) == of_zeros).count();
+    let (big, little) = (count([true, false]), count([false, true]));
+    // Of other letters, as in comments, few have a byte of 0. Zeros may stand at the end of a file.
+    (pairs.len() > 1 && 2 * big.max(little) >= pairs.len() && big.max(little) > 4 * big.min(little))
+        .then_some(big > little)
+}
+
 /// Whether the beginning of a file holds bytes that no text has.
 pub fn is_binary(text: &str) -> bool {
     let strange = |c: char| c == char::REPLACEMENT_CHARACTER || (c.is_control() && !c.is_whitespace());

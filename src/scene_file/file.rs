@@ -3,6 +3,7 @@
 use super::lexer::Lexer;
 use super::parser::{Parsed, parse};
 use crate::error::{Error, SourceText};
+use crate::file_kind::utf16_is_big_endian;
 use crate::file_path::{self, Kind};
 use crate::input::{is_standard, read_standard_input, read_whole};
 use std::io::ErrorKind;
@@ -63,14 +64,9 @@ fn decoded(path: &Path, mut bytes: Vec<u8>) -> Result<String, Error> {
     Err(error.with_note("only comments may have such characters"))
 }
 
-/// Returns whether bytes are UTF-16 text, also without the mark: every other byte is 0, because a scene is ASCII.
+/// Returns whether bytes are UTF-16 text, also without the mark.
 fn is_utf16(bytes: &[u8]) -> bool {
-    const LOOKED_AT: usize = 64;
-    let start = &bytes[..bytes.len().min(LOOKED_AT)];
-    let (pairs, _) = start.as_chunks();
-    let zero_is_at = |side: usize| pairs.iter().all(|pair: &[u8; 2]| pair[side] == 0 && pair[1 - side] != 0);
-    let has_mark = start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff");
-    has_mark || pairs.len() > 1 && (zero_is_at(0) || zero_is_at(1))
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || utf16_is_big_endian(bytes).is_some()
 }
 
 /// Returns whether all bytes outside of ASCII are pairs as GBK has them.

@@ -3,11 +3,10 @@
 //! Refuses nothing. Bytes that are no text become U+FFFD: in names and comments they do no harm, and in numbers they are
 //! reported with their line.
 
+use crate::file_kind::utf16_is_big_endian;
+
 /// The mark that editors put before UTF-8.
 pub(super) const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// How many bytes are looked at to recognise UTF-16 without a mark.
-const LOOKED_AT: usize = 512;
 
 /// Decodes the bytes of a text file. A CR without LF ends a line, as on old machines, and becomes LF.
 pub(super) fn decode(bytes: &[u8]) -> String {
@@ -31,23 +30,13 @@ fn utf16_units(bytes: &[u8]) -> Option<impl Iterator<Item = u16>> {
     let (big_endian, body) = match bytes {
         [0xff, 0xfe, body @ ..] => (false, body),
         [0xfe, 0xff, body @ ..] => (true, body),
-        _ => (is_big_endian(bytes)?, bytes),
+        _ => (utf16_is_big_endian(bytes)?, bytes),
     };
     let unit = move |pair: &[u8]| {
         let pair = [pair[0], pair[1]];
         if big_endian { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
     };
     Some(body.chunks_exact(2).map(unit))
-}
-
-/// Recognises UTF-16 without a mark: most of what OBJ files consist of is ASCII, so every other byte is 0. No byte of UTF-8 is.
-fn is_big_endian(bytes: &[u8]) -> Option<bool> {
-    let pairs = bytes[..bytes.len().min(LOOKED_AT)].as_chunks::<2>().0;
-    let count = |of_zeros: [bool; 2]| pairs.iter().filter(|pair| pair.map(|byte| byte == 0) == of_zeros).count();
-    let (big, little) = (count([true, false]), count([false, true]));
-    // Of other letters, as in comments, few have a byte of 0. Zeros may stand at the end of a file.
-    (pairs.len() > 1 && 2 * big.max(little) >= pairs.len() && big.max(little) > 4 * big.min(little))
-        .then_some(big > little)
 }
 
 #[cfg(test)]
