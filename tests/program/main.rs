@@ -6,6 +6,7 @@ mod cli;
 mod compare;
 mod convergence;
 mod cost;
+mod cube_map_files;
 mod depths;
 mod extending;
 mod faults;
